@@ -1,0 +1,41 @@
+/* Three-component vectors as arrays, in double. */
+#ifndef PM_BASE_VEC3_H
+#define PM_BASE_VEC3_H
+
+#include <math.h>
+
+static inline double pm__dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Returns the length that was; a vector of length 0 stays. Free of overflow: scaled by its largest component. */
+static inline double pm__normalize(double v[3])
+{
+    const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    if (!(largest > 0.0))
+        return 0.0;
+    for (int i = 0; i < 3; i++)
+        v[i] /= largest;
+    const double length = sqrt(pm__dot(v, v));
+    for (int i = 0; i < 3; i++)
+        v[i] /= length;
+    return length * largest;
+}
+
+/* Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (s, t, n).
+ * Duff et al. 2017, "Building an orthonormal basis, revisited". */
+static inline void pm__basis(const double n[3], double s[3], double t[3])
+{
+    const double sign = copysign(1.0, n[2]);
+    const double a = -1.0 / (sign + n[2]);
+    const double b = n[0] * n[1] * a;
+    s[0] = 1.0 + sign * n[0] * n[0] * a;
+    s[1] = sign * b;
+    s[2] = -sign * n[0];
+    t[0] = b;
+    t[1] = sign + n[1] * n[1] * a;
+    t[2] = -n[1];
+}
+
+#endif
