@@ -1,0 +1,76 @@
+/* From a public query to an estimator's neighbours. */
+#ifndef PM_LOOKUP_LOOKUP_H
+#define PM_LOOKUP_LOOKUP_H
+
+#include "../../estimators/estimator.h"
+#include "../search/search.h"
+
+/* Checks a public query and puts it into the map's frame. EINVAL: NaN, a negative radius, k = 0 without a limit,
+ * a zero normal where one is needed. */
+pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error);
+
+/* Runs a prepared query into a buffer of `capacity`; unsorted. Returns how many were found (above capacity only with
+ * k = 0; then the buffer is of no use). */
+size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__query *query, pm_neighbor *neighbors,
+                      size_t capacity);
+
+/* Sorts by (distance2, caller's index). O(n log n) for any input. */
+void pm__sort_neighbors(const pm_map *map, pm_neighbor *neighbors, size_t count);
+
+/* An estimator with its parameters: a pm_estimator from outside. */
+struct pm_estimator {
+    pm__spec spec;
+    char name[PM__MAX_SPEC];
+};
+
+static inline const pm__estimator *pm__estimator_of(const pm__spec *spec)
+{
+    return (const pm__estimator *)(const void *)spec->entry;
+}
+
+/* How many maps a spec draws from, and the share of k that falls to map m of them. */
+size_t pm__map_count_of(const pm__spec *spec);
+size_t pm__share(size_t k, size_t maps, size_t m);
+
+/* Buffers for one thread. The arrays hold the photons of all sets of a lookup, one set behind the other. */
+struct pm_workspace {
+    pm_neighbor *neighbors; /* of the search under way */
+    float *distance2;
+    float (*flux)[3];
+    float (*offset)[3];
+    size_t neighbor_capacity, capacity;
+    pm__neighbors *sets;
+    size_t *first; /* where in the arrays a set starts */
+    size_t set_capacity;
+    void *scratch; /* of the estimator at work */
+    size_t scratch_size;
+};
+
+/* Room for so many photons of all sets and so many sets; what is there stays. */
+pm_status pm__workspace_reserve(pm_workspace *workspace, size_t photons, size_t sets);
+
+/* Room for so many neighbours of one search; what is there is lost. */
+pm_status pm__workspace_reserve_neighbors(pm_workspace *workspace, size_t count);
+
+/* What is gathered beside distances and flux. */
+typedef struct pm__gathering {
+    const pm_source *source; /* for its BRDF; NULL: none */
+    double unit;             /* m in the lookup's unit of length */
+    bool sorted;
+    bool offsets;
+} pm__gathering;
+
+/* Looks up `query` in a map and gathers its photons as set number `set`, behind the sets before it. Sets are gathered
+ * in order; when all are there pm__point_sets makes their pointers valid. */
+pm_status pm__gather(const pm_map *map, const pm_query *query, const pm__gathering *gathering,
+                     pm_workspace *workspace, size_t set);
+void pm__point_sets(pm_workspace *workspace, size_t set_count, bool offsets);
+
+/* Evaluates a spec on gathered sets, with the workspace's scratch: 0 where all are empty. */
+pm_status pm__evaluate(const pm__spec *spec, const pm__lookup *lookup, pm_workspace *workspace, double result[3]);
+
+/* The estimate at a query from what is stored at photons ([C02] 5.4). */
+pm_status pm__precomputed_lookup(const pm_precomputed *precomputed, const pm_query *query, pm_workspace *workspace,
+                                 pm_estimation *estimation);
+
+#endif

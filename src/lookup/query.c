@@ -1,0 +1,131 @@
+/* Public queries: checked, brought into the map's frame, run. */
+#include "lookup.h"
+
+#include "../base/status.h"
+#include "../base/vec3.h"
+
+#include <float.h>
+
+void pm_query_init(pm_query *query)
+{
+    *query = (pm_query){.normal = {0.0f, 0.0f, 1.0f},
+                        .k = 50,
+                        .max_radius = INFINITY,
+                        .shape = PM_LOOKUP_SPHERE,
+                        .shape_parameter = 1.0f,
+                        .sorted = true};
+}
+
+/* A float that no sum of three squares overflows. */
+static float in_frame(double x)
+{
+    const double limit = 1e18;
+    return (float)fmin(fmax(x, -limit), limit);
+}
+
+static float squared(double x)
+{
+    return (float)fmin(x * x, (double)FLT_MAX);
+}
+
+static pm_status prepare_shape(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error)
+{
+    const double parameter = (double)query->shape_parameter;
+    prepared->prune_scale = 1.0f;
+    switch (query->shape) {
+    case PM_LOOKUP_SPHERE:
+        return PM_OK;
+    case PM_LOOKUP_ELLIPSOID:
+        if (!(parameter >= 1.0 && parameter <= 1e9))
+            return pm__fail(error, PM_EINVAL, "the ellipsoid's squash is %g: it lies in 1 to 1e9", parameter);
+        prepared->squash = (float)(parameter * parameter - 1.0);
+        return PM_OK;
+    case PM_LOOKUP_DISC:
+        if (!(parameter >= 0.0))
+            return pm__fail(error, PM_EINVAL, "the disc's half height is %g m: it is at least 0", parameter);
+        /* Tangential distances are differences, so they round; the slack keeps pruning on the safe side. */
+        prepared->half_height = (float)fmin(parameter * map->inverse_unit, (double)FLT_MAX);
+        prepared->prune_scale = 1.0f - 1e-5f;
+        prepared->prune_slack = squared((double)prepared->half_height * (1.0 + 1e-5));
+        return PM_OK;
+    }
+    return pm__fail(error, PM_EINVAL, "lookup shape %d is none", (int)query->shape);
+}
+
+static bool finite3(const float v[3])
+{
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error)
+{
+    const double radius = (double)query->max_radius;
+    if (!finite3(query->position))
+        return pm__fail(error, PM_EINVAL, "the query's position is not finite");
+    if (!(radius >= 0.0))
+        return pm__fail(error, PM_EINVAL, "the maximum radius is %g m: it is at least 0", radius);
+    if (!query->k && isinf(radius))
+        return pm__fail(error, PM_EINVAL, "a query needs a k or a finite radius");
+    *prepared = (pm__query){.k = query->k < map->count ? query->k : map->count,
+                            .shape = query->shape,
+                            .front_only = query->front_only};
+    if (query->k && !prepared->k)
+        prepared->k = 1; /* an empty map: any k will do, 0 would mean a fixed radius */
+    for (int a = 0; a < 3; a++)
+        prepared->position[a] = in_frame(((double)query->position[a] - map->centre[a]) * map->inverse_unit);
+    prepared->max_distance2 = squared(fmin(radius * map->inverse_unit, 1e19));
+    if (query->front_only || query->shape != PM_LOOKUP_SPHERE) {
+        double n[3] = {(double)query->normal[0], (double)query->normal[1], (double)query->normal[2]};
+        if (!finite3(query->normal) || !(pm__normalize(n) > 0.0))
+            return pm__fail(error, PM_EINVAL, "the query's normal has no direction");
+        for (int a = 0; a < 3; a++)
+            prepared->normal[a] = (float)n[a];
+    }
+    return prepare_shape(map, query, prepared, error);
+}
+
+size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__query *query, pm_neighbor *neighbors,
+                      size_t capacity)
+{
+    pm__result result = {neighbors, 0, capacity, query->max_distance2, map->nodes};
+    if (!search)
+        search = (const pm_search *)(const void *)pm__searches.entries[0];
+    search->find(map, query, &result);
+    return result.count;
+}
+
+pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *neighbors, size_t capacity,
+                        size_t *count)
+{
+    if (!map || !query || !count || (capacity && !neighbors))
+        return PM_EINVAL;
+    *count = 0;
+    pm__query prepared;
+    const pm_status status = pm__query_prepare(map, query, &prepared, NULL);
+    if (status != PM_OK)
+        return status;
+    if (prepared.k && map->count && capacity < prepared.k)
+        return PM_EINVAL;
+    *count = pm__run_search(map, query->search, &prepared, neighbors, capacity);
+    if (*count > capacity)
+        return PM_ETRUNCATED;
+    if (query->sorted)
+        pm__sort_neighbors(map, neighbors, *count);
+    return PM_OK;
+}
+
+double pm_max_radius_surface(size_t n, double max_power, double threshold)
+{
+    const double pi = 3.14159265358979323846;
+    if (!(max_power > 0.0 && threshold > 0.0))
+        return 0.0;
+    return sqrt((double)n * max_power / threshold) / pi; /* [C02] 5.2.3 */
+}
+
+double pm_max_radius_volume(size_t n, double max_power, double sigma, double threshold)
+{
+    const double pi = 3.14159265358979323846;
+    if (!(max_power > 0.0 && threshold > 0.0 && sigma > 0.0))
+        return 0.0;
+    return cbrt(3.0 * (double)n * max_power / (16.0 * pi * pi * sigma * threshold)); /* [C02] 5.2.4, errata 44 */
+}
