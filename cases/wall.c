@@ -1,0 +1,98 @@
+/* Thin wall lit on one side: light that leaks to the other.
+ *
+ * Truth. A square slab of thickness t; parallel light falls on its face z = 0 (normal +z), E0 there. The face z = -t
+ * (normal -z) gets none.
+ * Photons. x = u0, y = u1, on the lit face.
+ * Theory. On the lit side as the square under parallel light. A probe on the dark side sees the lit face at height t:
+ *     sphere:     a disc of radius sqrt(r^2 - t^2);
+ *     ellipsoid:  the height counts S times: sqrt(r^2 - S^2 t^2);
+ *     disc:       the disc of radius r where H >= t, else nothing;
+ * and nothing at all with a front-side filter. */
+#include "planar.h"
+
+enum { IRRADIANCE, THICKNESS };
+
+static const pm__param params[] = {
+    PM__PARAM_IRRADIANCE,
+    {.name = "thickness", .type = PM__REAL, .value = 0.001, .min = 1e-6, .max = 0.1, .unit = "m",
+     .help = "of the wall"},
+};
+
+enum { ALL, LIT, DARK };
+
+static const pm__region regions[] = {
+    {"all", "both sides, at least 0.15 m from the edges", false, false},
+    {"lit", "the lit side of it", true, true},
+    {"dark", "the dark side of it", false, false},
+};
+
+static double power(const double *values)
+{
+    return values[IRRADIANCE];
+}
+
+static void photon(const double *values, const double *u, double position[3], double direction[3], double normal[3])
+{
+    (void)values;
+    pm__photon_down(u[0], u[1], position, direction, normal);
+}
+
+static void probe(const double *values, size_t region, const double *u, pm__probe *point)
+{
+    pm__probe_rectangle(&pm__inset_square, u, point);
+    if (region == DARK || (region == ALL && u[2] >= 0.5)) {
+        point->position[2] = -values[THICKNESS];
+        point->normal[2] = -1.0;
+    }
+}
+
+static double truth(const double *values, const pm__probe *point)
+{
+    return point->normal[2] > 0.0 ? values[IRRADIANCE] : 0.0;
+}
+
+/* The radius on the lit face of what lies within r in the lookup's metric. */
+static double face_radius(const pm__probe *point, const pm__shape *shape, double r)
+{
+    const double height = fabs(point->position[2]);
+    if (shape->shape == PM_LOOKUP_DISC)
+        return height <= shape->parameter ? r : 0.0;
+    const double counted = shape->shape == PM_LOOKUP_ELLIPSOID ? shape->parameter * height : height;
+    return sqrt(fmax(0.0, (r - counted) * (r + counted)));
+}
+
+static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+{
+    if (!pm__accepts_down(point, shape))
+        return 0.0;
+    return values[IRRADIANCE] * pm__shell_area(&pm__unit_square, point, face_radius(point, shape, r0),
+                                               face_radius(point, shape, r1));
+}
+
+/* Filtered lookups on the dark side accept nothing and would walk the whole map. */
+static double reach(const double *values)
+{
+    (void)values;
+    return 0.2;
+}
+
+const pm__case pm__case_wall = {
+    .entry = {.name = "wall",
+              .summary = "thin wall lit on one side",
+              .citation = "course 43, 2.1.3",
+              .params = params,
+              .param_count = 2},
+    .paths = "LD",
+    .dimensions = 2,
+    .sample_dimensions = 2,
+    .strata_dimensions = 2,
+    .regions = regions,
+    .region_count = sizeof regions / sizeof *regions,
+    .aspect = pm__aspect_square,
+    .power = power,
+    .photon = photon,
+    .probe = probe,
+    .truth = truth,
+    .mass = mass,
+    .reach = reach,
+};
