@@ -1,0 +1,138 @@
+/* Photons of a trial, and the maps made of them. */
+#include "bench.h"
+
+#include "../base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SEPARATE, RANDOM, ROUND_ROBIN }; /* the choices of combined's `deal` */
+
+/* Separately drawn maps are trials of their own: numbers that no trial reaches. */
+static uint32_t stream(uint32_t trial, uint32_t part)
+{
+    return trial + (part << 24);
+}
+
+static void init_points(const pm__job *job, uint32_t trial, size_t count, pm__points *points)
+{
+    double aspect[2] = {1.0, 1.0};
+    if (job->subject->aspect)
+        job->subject->aspect(job->values, aspect);
+    pm__points_init(points, (const pm__sampler *)(const void *)job->sampler_spec->entry, job->config->seed,
+                    PM__FOR_PHOTONS, trial, count, job->subject->sample_dimensions,
+                    job->subject->strata_dimensions, aspect);
+}
+
+size_t pm__drawn_count(const pm__job *job, size_t count)
+{
+    pm__points points;
+    init_points(job, 0, count, &points);
+    return (size_t)points.count;
+}
+
+size_t pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
+                        pm_photon *photons, float (*normals)[3])
+{
+    pm__points points;
+    init_points(job, stream(trial, part), count, &points);
+    const size_t drawn = (size_t)points.count;
+    const float power = (float)(job->subject->power(job->values) / ((double)drawn * parts));
+    for (size_t i = 0; i < drawn; i++) {
+        double u[PM__MAX_DIMENSIONS], position[3], direction[3], normal[3];
+        points.sampler->point(&points, i, u);
+        job->subject->photon(job->values, u, position, direction, normal);
+        for (int a = 0; a < 3; a++) {
+            photons[i].position[a] = (float)position[a];
+            photons[i].direction[a] = (float)direction[a];
+            photons[i].power[a] = power;
+            if (normals)
+                normals[i][a] = (float)normal[a];
+        }
+    }
+    return drawn;
+}
+
+/* To which of the deal's maps photon i goes. */
+static size_t map_of(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t i)
+{
+    if (deal->how == ROUND_ROBIN)
+        return i % deal->maps;
+    double u;
+    pm__random_uniform(job->config->seed, PM__FOR_DEALING, trial, i, &u, 1);
+    return (size_t)(u * (double)deal->maps);
+}
+
+static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t m, pm_map **map)
+{
+    const size_t share = pm__share(job->photons, deal->maps, m);
+    pm_photon *const part = pm__alloc(pm__drawn_count(job, share), sizeof *part);
+    if (!part)
+        return PM_ENOMEM;
+    const size_t drawn =
+        pm__draw_photons(job, trial, (uint32_t)m + 1, (uint32_t)deal->maps, share, part, NULL);
+    const pm_status status = pm_map_create(part, drawn, NULL, map, NULL);
+    free(part);
+    return status;
+}
+
+static pm_status dealt_map(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t m,
+                           const pm_photon *photons, pm_photon *part, pm_map **map)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < job->photons; i++)
+        if (map_of(job, deal, trial, i) == m)
+            part[count++] = photons[i];
+    return pm_map_create(part, count, NULL, map, NULL);
+}
+
+static pm_status deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+                           pm_map **maps)
+{
+    pm_photon *const part = deal->how == SEPARATE ? NULL : pm__alloc(job->photons, sizeof *part);
+    pm_status status = deal->how != SEPARATE && !part ? PM_ENOMEM : PM_OK;
+    for (size_t m = 0; m < deal->maps && status == PM_OK; m++)
+        status = deal->how == SEPARATE ? separate_map(job, deal, trial, m, &maps[m])
+                                       : dealt_map(job, deal, trial, m, photons, part, &maps[m]);
+    free(part);
+    return status;
+}
+
+static pm_status build_maps(const pm__job *job, uint32_t trial, const pm_photon *photons, const float (*normals)[3],
+                            pm__trial_maps *maps)
+{
+    pm_status status = pm_map_create(photons, job->photons, NULL, &maps->map, NULL);
+    for (size_t d = 0; d < job->deal_count && status == PM_OK; d++)
+        status = deal_maps(job, &job->deals[d], trial, photons, maps->dealt[d]);
+    for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++)
+        status = pm__carriers_create(&maps->carriers[f], maps->map, job->fractions[f], normals, NULL);
+    return status;
+}
+
+pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_maps *maps)
+{
+    memset(maps, 0, sizeof *maps);
+    pm_photon *const photons = pm__alloc(job->photons, sizeof *photons);
+    float(*const normals)[3] = job->fraction_count ? pm__alloc(job->photons, sizeof *normals) : NULL;
+    pm_status status = PM_ENOMEM;
+    if (photons && (normals || !job->fraction_count)) {
+        (void)pm__draw_photons(job, trial, 0, 1, job->asked_photons, photons, normals);
+        status = build_maps(job, trial, photons, (const float(*)[3])normals, maps);
+    }
+    free(photons);
+    free(normals);
+    if (status != PM_OK)
+        pm__trial_maps_destroy(maps);
+    return status;
+}
+
+void pm__trial_maps_destroy(pm__trial_maps *maps)
+{
+    pm_map_destroy(maps->map);
+    for (size_t d = 0; d < PM__MAX_VARIETIES; d++) {
+        for (size_t m = 0; m < PM__MAX_MAPS; m++)
+            pm_map_destroy(maps->dealt[d][m]);
+        pm__carriers_destroy(&maps->carriers[d]);
+    }
+    memset(maps, 0, sizeof *maps);
+}

@@ -1,0 +1,274 @@
+/* The plan of a job: probes, variants, what they need, and room for their errors. */
+#include "bench.h"
+
+#include "../base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Probes that are near each other follow each other: 10 bits an axis, interleaved. */
+static uint32_t morton_code(const double position[3], const double low[3], const double high[3])
+{
+    uint32_t code = 0;
+    for (int a = 0; a < 3; a++) {
+        const double extent = high[a] - low[a];
+        const uint32_t cell = extent > 0.0 ? (uint32_t)((position[a] - low[a]) / extent * 1023.0) : 0;
+        for (unsigned bit = 0; bit < 10; bit++)
+            code |= (cell >> bit & 1U) << (3 * bit + (unsigned)a);
+    }
+    return code;
+}
+
+typedef struct keyed_probe {
+    uint32_t code, index;
+    pm__probe probe;
+} keyed_probe;
+
+static int by_code(const void *a, const void *b)
+{
+    const keyed_probe *const x = a, *const y = b;
+    if (x->code != y->code)
+        return x->code < y->code ? -1 : 1;
+    return (x->index > y->index) - (x->index < y->index);
+}
+
+static void draw_region(const pm__job *job, size_t region, keyed_probe *keyed, size_t count)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t q = 0; q < count; q++) {
+        double u[3];
+        pm__random_uniform(job->config->seed, PM__FOR_PROBES, (uint32_t)region, q, u, 3);
+        job->subject->probe(job->values, region, u, &keyed[q].probe);
+        for (int a = 0; a < 3; a++) {
+            const double x = (double)(float)keyed[q].probe.position[a]; /* as a query will have it */
+            keyed[q].probe.position[a] = x;
+            low[a] = fmin(low[a], x);
+            high[a] = fmax(high[a], x);
+        }
+        keyed[q].index = (uint32_t)q;
+    }
+    for (size_t q = 0; q < count; q++)
+        keyed[q].code = morton_code(keyed[q].probe.position, low, high);
+    qsort(keyed, count, sizeof *keyed, by_code);
+}
+
+static pm_status plan_probes(pm__job *job)
+{
+    const pm__accuracy_config *const c = job->config;
+    const size_t regions = job->subject->region_count;
+    size_t total = c->probes_all + (regions - 1) * c->probes_region;
+    const size_t largest = c->probes_all > c->probes_region ? c->probes_all : c->probes_region;
+    keyed_probe *const keyed = pm__alloc(largest, sizeof *keyed);
+    job->probes = pm__alloc(total, sizeof *job->probes);
+    job->truth = pm__alloc(total, sizeof *job->truth);
+    if (!keyed || !job->probes || !job->truth) {
+        free(keyed);
+        return PM_ENOMEM;
+    }
+    for (size_t r = 0; r < regions; r++) {
+        const size_t count = r ? c->probes_region : c->probes_all;
+        job->first[r] = job->probe_count;
+        draw_region(job, r, keyed, count);
+        for (size_t q = 0; q < count; q++) {
+            job->probes[job->probe_count] = keyed[q].probe;
+            job->truth[job->probe_count++] = job->subject->truth(job->values, &keyed[q].probe);
+        }
+    }
+    job->first[regions] = job->probe_count;
+    free(keyed);
+    for (size_t q = 0; q < c->probes_all; q++)
+        job->truth_mean += fabs(job->truth[q]) / (double)c->probes_all;
+    return PM_OK;
+}
+
+static double limit_radius(const pm__job *job, size_t k)
+{
+    const pm__accuracy_config *const c = job->config;
+    if (c->auto_threshold > 0.0 && k) {
+        const double power = job->subject->power(job->values) / (double)job->photons;
+        return job->subject->dimensions == 3 ? pm_max_radius_volume(k, power, 1.0, c->auto_threshold)
+                                             : pm_max_radius_surface(k, power, c->auto_threshold);
+    }
+    if (c->radius > 0.0)
+        return c->radius;
+    const double reach = job->subject->reach ? job->subject->reach(job->values) : 0.0;
+    return reach > 0.0 ? reach : INFINITY;
+}
+
+static bool same_deal(const pm__deal *a, const pm__deal *b)
+{
+    return a->maps == b->maps && a->how == b->how;
+}
+
+static size_t variety_of_deal(pm__job *job, const pm__spec *spec)
+{
+    const pm__deal deal = {pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
+    size_t i = 0;
+    while (i < job->deal_count && !same_deal(&job->deals[i], &deal))
+        i++;
+    if (i == job->deal_count && i < PM__MAX_VARIETIES)
+        job->deals[job->deal_count++] = deal;
+    return i;
+}
+
+static size_t variety_of_fraction(pm__job *job, const pm__spec *spec)
+{
+    const double fraction = pm__spec_value(spec, "fraction", 1.0);
+    size_t i = 0;
+    while (i < job->fraction_count && job->fractions[i] != fraction)
+        i++;
+    if (i == job->fraction_count && i < PM__MAX_VARIETIES)
+        job->fractions[job->fraction_count++] = fraction;
+    return i;
+}
+
+static size_t variety_of_oracle(pm__job *job, const pm__spec *spec)
+{
+    size_t i = 0;
+    while (i < job->oracle_count && job->oracles[i] != spec)
+        i++;
+    if (i == job->oracle_count && i < PM__MAX_VARIETIES)
+        job->oracles[job->oracle_count++] = spec;
+    return i;
+}
+
+static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *error)
+{
+    char name[PM__MAX_SPEC];
+    pm__spec_format_short(v->spec, name, sizeof name);
+    const size_t maps = pm__map_count_of(v->spec);
+    if (v->k > job->photons)
+        return pm__fail(error, PM_EINVAL, "k = %zu is more than the %zu photons of a map", v->k, job->photons);
+    if (v->k && v->k / maps < v->estimator->min_k)
+        return pm__fail(error, PM_EINVAL, "k = %zu is too few for %s: at least %zu are needed", v->k, name,
+                        maps * v->estimator->min_k);
+    if (!v->k && isinf(v->radius))
+        return pm__fail(error, PM_EINVAL, "neither a k nor a radius is given");
+    return PM_OK;
+}
+
+static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_error *error)
+{
+    const pm__estimator *const estimator = pm__estimator_of(spec);
+    pm__variant *const v = &job->variants[job->variant_count++];
+    *v = (pm__variant){.spec = spec, .estimator = estimator, .k = k, .radius = (double)(float)limit_radius(job, k)}; /* as a query has it */
+    const pm_status status = check_k(job, v, error);
+    if (status != PM_OK)
+        return status;
+    if (!(estimator->dimensions & 1U << job->subject->dimensions))
+        v->unsupported = job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
+    else if ((estimator->needs & PM__TRUTH) && !k)
+        v->unsupported = "it chooses a k, and a fixed radius has none";
+    if (v->unsupported)
+        return PM_OK;
+    if (estimator->needs & PM__MAPS)
+        v->variety = variety_of_deal(job, spec);
+    if (estimator->needs & PM__AT_PHOTON)
+        v->variety = variety_of_fraction(job, spec);
+    if (estimator->needs & PM__TRUTH)
+        v->variety = variety_of_oracle(job, spec);
+    if (v->variety == PM__MAX_VARIETIES)
+        return pm__fail(error, PM_EINVAL, "more than %d different deals, fractions or oracles in one run",
+                        PM__MAX_VARIETIES);
+    job->offsets |= (estimator->needs & PM__OFFSETS) != 0;
+    job->max_k = k > job->max_k ? k : job->max_k;
+    job->max_radius = fmax(job->max_radius, v->radius);
+    return PM_OK;
+}
+
+static pm_status plan_variants(pm__job *job, pm_error *error)
+{
+    const pm__accuracy_config *const c = job->config;
+    const size_t ks = c->k_count ? c->k_count : 1;
+    job->variants = pm__alloc(c->estimator_count * ks, sizeof *job->variants);
+    if (!job->variants)
+        return PM_ENOMEM;
+    for (size_t e = 0; e < c->estimator_count; e++)
+        for (size_t i = 0; i < ks; i++) {
+            const pm_status status = plan_variant(job, &c->estimators[e], c->k_count ? c->ks[i] : 0, error);
+            if (status != PM_OK)
+                return status;
+        }
+    return PM_OK;
+}
+
+/* The oracles choose among k in steps of about a quarter, and the k of the rows themselves. */
+static pm_status plan_candidates(pm__job *job)
+{
+    if (!job->oracle_count)
+        return PM_OK;
+    job->candidates = pm__alloc(job->max_k + 1, sizeof *job->candidates);
+    if (!job->candidates)
+        return PM_ENOMEM;
+    for (size_t k = 3, next = 3; k <= job->max_k; k++) {
+        bool wanted = k == next;
+        for (size_t i = 0; i < job->config->k_count; i++)
+            wanted |= job->config->ks[i] == k;
+        if (wanted)
+            job->candidates[job->candidate_count++] = k;
+        if (k == next)
+            next = k + (k + 3) / 4;
+    }
+    if (!job->candidate_count)
+        job->candidates[job->candidate_count++] = job->max_k;
+    return PM_OK;
+}
+
+static pm_status allocate_results(pm__job *job)
+{
+    const size_t trials = job->config->trials, plane = trials * job->probe_count;
+    const size_t variants = job->variant_count;
+    job->errors = pm__alloc_zero(variants * plane, sizeof *job->errors);
+    job->degenerate = pm__alloc_zero(variants * trials, sizeof *job->degenerate);
+    job->trial_status = pm__alloc_zero(trials, sizeof *job->trial_status);
+    job->predicted_mean = pm__alloc(variants * job->probe_count, sizeof *job->predicted_mean);
+    job->predicted_variance = pm__alloc(variants * job->probe_count, sizeof *job->predicted_variance);
+    if (job->oracle_count)
+        job->oracle_errors =
+            pm__alloc_zero(job->oracle_count * job->candidate_count * plane, sizeof *job->oracle_errors);
+    return job->errors && job->degenerate && job->trial_status && job->predicted_mean && job->predicted_variance &&
+                   (job->oracle_errors || !job->oracle_count)
+               ? PM_OK
+               : PM_ENOMEM;
+}
+
+pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
+                       const pm__spec *sampler_spec, size_t photons, pm_error *error)
+{
+    memset(job, 0, sizeof *job);
+    job->config = config;
+    job->subject = (const pm__case *)(const void *)case_spec->entry;
+    job->values = case_spec->values;
+    job->case_spec = case_spec;
+    job->sampler_spec = sampler_spec;
+    job->asked_photons = photons;
+    job->photons = pm__drawn_count(job, photons);
+    pm_status status = plan_probes(job);
+    if (status == PM_OK)
+        status = plan_variants(job, error);
+    if (status == PM_OK)
+        status = plan_candidates(job);
+    if (status == PM_OK)
+        status = allocate_results(job);
+    if (status == PM_ENOMEM)
+        (void)pm__fail(error, status, "out of memory for %zu variants of %zu trials with %zu probes",
+                       job->variant_count, config->trials, job->probe_count);
+    if (status != PM_OK)
+        pm__job_free(job);
+    return status;
+}
+
+void pm__job_free(pm__job *job)
+{
+    free(job->probes);
+    free(job->truth);
+    free(job->variants);
+    free(job->candidates);
+    free(job->errors);
+    free(job->oracle_errors);
+    free(job->degenerate);
+    free(job->trial_status);
+    free(job->predicted_mean);
+    free(job->predicted_variance);
+    memset(job, 0, sizeof *job);
+}
