@@ -1,0 +1,60 @@
+/* What the numbers were measured on. */
+#include "results.h"
+#include "parallel.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef PM_BUILD_FLAGS
+#define PM_BUILD_FLAGS ""
+#endif
+
+#if defined(__clang__)
+#define COMPILER "clang " __clang_version__
+#elif defined(__GNUC__)
+#define COMPILER "gcc " __VERSION__
+#else
+#define COMPILER "unknown"
+#endif
+
+/* The first line of a file that starts with `prefix`, from its value on; freed by the caller. NULL if there is none. */
+static char *find_line(const char *path, const char *prefix)
+{
+    FILE *const file = fopen(path, "r");
+    char *line = NULL, *found = NULL;
+    size_t size = 0;
+    if (!file)
+        return NULL;
+    while (!found && getline(&line, &size, file) > 0) {
+        if (strncmp(line, prefix, strlen(prefix)) != 0)
+            continue;
+        const char *const value = line + strlen(prefix) + strspn(line + strlen(prefix), " \t:");
+        found = strndup(value, strcspn(value, "\n"));
+    }
+    free(line);
+    (void)fclose(file);
+    return found;
+}
+
+/* Owned text as JSON, null for NULL. */
+static json_t *text_or_null(char *text)
+{
+    json_t *const value = text ? json_string(text) : NULL;
+    free(text);
+    return value ? value : json_null();
+}
+
+json_t *pm__machine(void)
+{
+    double load;
+    json_t *const machine = json_object();
+    (void)json_object_set_new(machine, "cpu", text_or_null(find_line("/proc/cpuinfo", "model name")));
+    (void)json_object_set_new(machine, "cores", json_integer(pm__usable_processors()));
+    (void)json_object_set_new(machine, "simd", json_string("scalar"));
+    (void)json_object_set_new(machine, "governor",
+                              text_or_null(find_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "")));
+    (void)json_object_set_new(machine, "load", getloadavg(&load, 1) == 1 ? json_real(load) : json_null());
+    (void)json_object_set_new(machine, "compiler", json_string(COMPILER));
+    (void)json_object_set_new(machine, "flags", json_string(PM_BUILD_FLAGS));
+    return machine;
+}

@@ -1,0 +1,68 @@
+/* Options: one row each, the same meaning in every command that takes them. */
+#ifndef PM_CLI_OPTIONS_H
+#define PM_CLI_OPTIONS_H
+
+#include "../../cases/case.h"
+#include "../base/sampler.h"
+
+#include <stdio.h>
+
+enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 8 };
+
+/* A list of specs or numbers, as options append to it. */
+typedef struct pm__specs {
+    pm__spec *items;
+    size_t count;
+} pm__specs;
+
+typedef struct pm__counts {
+    size_t *items;
+    size_t count;
+} pm__counts;
+
+/* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
+typedef struct pm__settings {
+    uint64_t seed;  /* 1 unless given */
+    size_t threads; /* 0: all that the process may use */
+    bool quiet, help, full;
+    const char *json, *csv, *markdown, *output; /* "-": standard output */
+    pm__specs cases, estimators, samplers;
+    pm__counts ks, photons;
+    size_t trials, probes;
+    double radius;         /* m */
+    double auto_threshold; /* W/(m2 sr): the radius follows from it */
+    const char *search;
+    pm__shape lookup;      /* sphere, front only, unless given */
+    const char *photon_file, *query_file;
+    const char *operands[PM__MAX_OPERANDS];
+    size_t operand_count;
+} pm__settings;
+
+typedef struct pm__option {
+    const char *name;     /* --name */
+    int letter;           /* -letter, or 0 */
+    const char *argument; /* as help shows it; NULL: a flag */
+    const char *help;
+    pm_status (*set)(pm__settings *settings, const char *text, pm_error *error);
+} pm__option;
+
+extern const pm__option pm__option_case, pm__option_estimator, pm__option_one_estimator, pm__option_sampler;
+extern const pm__option pm__option_k, pm__option_one_k, pm__option_radius, pm__option_photons, pm__option_photon_file;
+extern const pm__option pm__option_query_file, pm__option_trials, pm__option_probes, pm__option_search;
+extern const pm__option pm__option_lookup, pm__option_front, pm__option_profile, pm__option_seed, pm__option_threads;
+extern const pm__option pm__option_json, pm__option_csv, pm__option_markdown, pm__option_output, pm__option_quiet;
+extern const pm__option pm__option_help;
+
+struct pm__command;
+
+/* Parses argv[1..]. Options may be abbreviated and repeated: lists grow, else the last one counts. EINVAL or ENAME with
+ * a message that names the option; ENOMEM. settings: init first, free always. */
+void pm__settings_init(pm__settings *settings);
+pm_status pm__options_parse(const struct pm__command *command, int argc, char **argv, pm__settings *settings,
+                            pm_error *error);
+void pm__settings_free(pm__settings *settings);
+
+/* "sphere", "ellipsoid:3", "disc:0.01". */
+void pm__lookup_format(const pm__shape *shape, char text[48]);
+
+#endif

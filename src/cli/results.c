@@ -1,0 +1,87 @@
+/* Sinks: standard output or files that are complete or absent. */
+#include "results.h"
+
+#include "../base/status.h"
+
+#include <errno.h>
+#include <string.h>
+
+static pm_status open_sink(const char *path, pm__sink *sink, pm_error *error)
+{
+    sink->wanted = path != NULL;
+    sink->is_stdout = path && strcmp(path, "-") == 0;
+    return path && !sink->is_stdout ? pm__output_open(path, &sink->output, error) : PM_OK;
+}
+
+static FILE *sink_file(const pm__sink *sink)
+{
+    if (!sink->wanted)
+        return NULL;
+    return sink->is_stdout ? stdout : sink->output.file;
+}
+
+pm_status pm__sinks_open(const pm__settings *settings, bool screen, pm__sinks *sinks, pm_error *error)
+{
+    memset(sinks, 0, sizeof *sinks);
+    pm_status status = open_sink(settings->json, &sinks->json, error);
+    if (status == PM_OK)
+        status = open_sink(settings->csv, &sinks->csv, error);
+    if (status == PM_OK)
+        status = open_sink(settings->markdown, &sinks->markdown, error);
+    const bool claimed = sinks->json.is_stdout || sinks->csv.is_stdout || sinks->markdown.is_stdout;
+    const char *const to = settings->output ? settings->output : screen && !claimed ? "-" : NULL;
+    if (status == PM_OK)
+        status = open_sink(to, &sinks->screen, error);
+    if (status != PM_OK)
+        pm__sinks_discard(sinks);
+    return status;
+}
+
+FILE *pm__sinks_screen(const pm__sinks *sinks)
+{
+    return sink_file(&sinks->screen);
+}
+
+static pm_status close_sink(pm__sink *sink, pm_error *error)
+{
+    if (!sink->wanted)
+        return PM_OK;
+    sink->wanted = false;
+    if (!sink->is_stdout)
+        return pm__output_commit(&sink->output, error);
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return pm__fail(error, PM_EIO, "standard output: %s", strerror(errno));
+    return PM_OK;
+}
+
+static pm_status finish_sink(pm__sink *sink, void (*write)(FILE *file, const pm__results *results),
+                             const pm__results *results, pm_error *error)
+{
+    if (sink->wanted)
+        write(sink_file(sink), results);
+    return close_sink(sink, error);
+}
+
+pm_status pm__sinks_finish(pm__sinks *sinks, const pm__results *results, pm_error *error)
+{
+    pm_status status = finish_sink(&sinks->json, pm__write_json, results, error);
+    if (status == PM_OK)
+        status = finish_sink(&sinks->csv, pm__write_csv, results, error);
+    if (status == PM_OK)
+        status = finish_sink(&sinks->markdown, pm__write_markdown, results, error);
+    if (status == PM_OK)
+        status = close_sink(&sinks->screen, error);
+    if (status != PM_OK)
+        pm__sinks_discard(sinks);
+    return status;
+}
+
+void pm__sinks_discard(pm__sinks *sinks)
+{
+    pm__sink *const all[] = {&sinks->json, &sinks->csv, &sinks->markdown, &sinks->screen};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        if (all[i]->wanted && !all[i]->is_stdout)
+            pm__output_discard(&all[i]->output);
+        all[i]->wanted = false;
+    }
+}
