@@ -11,7 +11,8 @@
  *     of the cap's circle, beyond a chord at -c from its centre, c = a cos gamma / tan theta0:  segment(rho, -c) cos theta0
  *     of the terminator's disc, beyond e = a cos gamma / sin theta0:                            segment(a, e)
  * with segment(R, d) = R^2 (acos(d/R) - d/R sqrt(1 - d^2/R^2)), d clamped to [-R, R], which covers caps that are all
- * lit, all dark, or hold the whole terminator; with x = 2 acos(d/R) it is R^2 (x - sin x) / 2. All lit: E0 cos theta0 pi s^2 (1 - s^2 / (4 a^2)).
+ * lit, all dark, or hold the whole terminator; it is R^2 (x - sin x) / 2 with x = 2 acos(d/R).
+ * All lit: E0 cos theta0 pi s^2 (1 - s^2 / (4 a^2)).
  * All photons travel along -z: a front-side filter accepts all for a normal with z > 0, none else. For other shapes of
  * lookup no formula is given. */
 #include "planar.h"

@@ -5,7 +5,7 @@
 enum { LAST };
 
 static const pm__param params[] = {
-    {"last", PM__CHOICE, 2, 0, 0, "", "full|half|none", "share of the farthest photon used: none is unbiased"}};
+    {"last", PM__CHOICE, 0, 0, 0, "", "full|half|none", "share of the farthest photon used: full as in the disc, none is unbiased"}};
 
 static inline double weight(const double *values, double t2)
 {
@@ -27,6 +27,11 @@ static pm_status estimate(const double *values, const pm__lookup *lookup, double
     return pm__kernel_estimate(&best, values, weight, 1.0, pm__last_share(values[LAST]), result);
 }
 
+static double last(const double *values)
+{
+    return pm__last_share(values[LAST]);
+}
+
 /* A number of photons that does not depend on this lookup's photons leaves (n-1)/(pi r_n^2) unbiased. Below k = 4 the
  * best choice may be a single photon, whose estimate is 0. */
 static double uniform_mean(const double *values, size_t k, int dimensions)
@@ -45,5 +50,6 @@ const pm__estimator pm__estimator_oracle = {
     .dimensions = 4 | 8,
     .min_k = 1,
     .estimate = estimate,
+    .last = last,
     .uniform_mean = uniform_mean,
 };

@@ -83,7 +83,7 @@ typedef struct pm_packed_photon {
 } pm_packed_photon;
 
 /* Exact for positions. Powers must be >= 0; a negative or non-finite band is stored as 0, one above the
- * range of RGBE (1.7e38 W) as the largest code, and below 1e-38 W as 0. Cost: a few ns. */
+ * range of RGBE (1.7e38 W) as the largest code, and below 1e-38 W as 0. Cost: about 80 ns and 25 ns. */
 PM_API void pm_photon_pack(const pm_photon *photon, pm_packed_photon *packed);
 PM_API void pm_photon_unpack(const pm_packed_photon *packed, pm_photon *photon);
 

@@ -53,6 +53,7 @@ typedef struct pm__job {
 
     float *errors;         /* [variant][trial][probe]: estimate less truth */
     float *oracle_errors;  /* [oracle][candidate][trial][probe] */
+    double *expected_square; /* [oracle][candidate][probe]: of the error, by theory; NAN where there is none */
     size_t *degenerate;    /* [trial][variant]: estimates that do not exist, counted as 0 */
     pm_status *trial_status;
 
@@ -102,11 +103,11 @@ pm_status pm__gather_dealt(const pm__bench_lookup *lookup, size_t deal, const pm
 /* trial.c: one trial's errors at all probes; a task for pm__for. */
 void pm__run_trial(void *job, size_t trial);
 
-/* oracle.c: fills the errors of oracle variants once all trials are there. */
-pm_status pm__apply_oracles(pm__job *job);
-
-/* predict.c: fills predicted_mean and predicted_variance. */
+/* predict.c: fills predicted_mean, predicted_variance and expected_square. */
 pm_status pm__predict(pm__job *job);
+
+/* oracle.c: fills the errors of oracle variants, once all trials and the theory are there. */
+pm_status pm__apply_oracles(pm__job *job);
 
 /* timing.c: times each variant on this thread; results by variant. */
 typedef struct pm__timing {

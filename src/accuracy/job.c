@@ -132,35 +132,33 @@ static size_t variety_of_oracle(pm__job *job, const pm__spec *spec)
     return i;
 }
 
-static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *error)
+static bool too_few(const pm__variant *v)
 {
-    char name[PM__MAX_SPEC];
-    pm__spec_format_short(v->spec, name, sizeof name);
-    const size_t maps = pm__map_count_of(v->spec);
-    if (v->k > job->photons)
-        return pm__fail(error, PM_EINVAL, "k = %zu is more than the %zu photons of a map", v->k, job->photons);
-    if (v->k && v->k / maps < v->estimator->min_k)
-        return pm__fail(error, PM_EINVAL, "k = %zu is too few for %s: at least %zu are needed", v->k, name,
-                        maps * v->estimator->min_k);
-    if (!v->k && isinf(v->radius))
-        return pm__fail(error, PM_EINVAL, "neither a k nor a radius is given");
-    return PM_OK;
+    return v->k && v->k / pm__map_count_of(v->spec) < v->estimator->min_k;
+}
+
+/* Why the variant has no estimate in this job, or NULL. */
+static const char *reason_against(const pm__job *job, const pm__variant *v)
+{
+    if (!(v->estimator->dimensions & 1U << job->subject->dimensions))
+        return job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
+    if ((v->estimator->needs & PM__TRUTH) && !v->k)
+        return "it chooses a k, and a fixed radius has none";
+    return too_few(v) ? "k is too few for it" : NULL;
 }
 
 static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_error *error)
 {
     const pm__estimator *const estimator = pm__estimator_of(spec);
     pm__variant *const v = &job->variants[job->variant_count++];
-    *v = (pm__variant){.spec = spec, .estimator = estimator, .k = k, .radius = (double)(float)limit_radius(job, k)}; /* as a query has it */
-    const pm_status status = check_k(job, v, error);
-    if (status != PM_OK)
-        return status;
-    if (!(estimator->dimensions & 1U << job->subject->dimensions))
-        v->unsupported = job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
-    else if ((estimator->needs & PM__TRUTH) && !k)
-        v->unsupported = "it chooses a k, and a fixed radius has none";
+    *v = (pm__variant){.spec = spec, .estimator = estimator, .k = k, .radius = (double)(float)limit_radius(job, k)};
+    v->unsupported = reason_against(job, v);
     if (v->unsupported)
         return PM_OK;
+    if (k > job->photons)
+        return pm__fail(error, PM_EINVAL, "k = %zu is more than the %zu photons of a map", k, job->photons);
+    if (!k && isinf(v->radius))
+        return pm__fail(error, PM_EINVAL, "neither a k nor a radius is given");
     if (estimator->needs & PM__MAPS)
         v->variety = variety_of_deal(job, spec);
     if (estimator->needs & PM__AT_PHOTON)
@@ -176,6 +174,22 @@ static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_e
     return PM_OK;
 }
 
+/* An estimator for which every k is too few was asked for in vain: that is an error, not a table of gaps. */
+static pm_status check_variants(const pm__job *job, const pm__spec *spec, pm_error *error)
+{
+    const pm__variant *last = NULL;
+    for (size_t v = 0; v < job->variant_count; v++)
+        if (job->variants[v].spec == spec) {
+            last = &job->variants[v];
+            if (!too_few(last))
+                return PM_OK;
+        }
+    char name[PM__MAX_SPEC];
+    pm__spec_format_short(spec, name, sizeof name);
+    return pm__fail(error, PM_EINVAL, "k = %zu is too few for %s: at least %zu are needed", last->k, name,
+                    pm__map_count_of(spec) * last->estimator->min_k);
+}
+
 static pm_status plan_variants(pm__job *job, pm_error *error)
 {
     const pm__accuracy_config *const c = job->config;
@@ -189,6 +203,11 @@ static pm_status plan_variants(pm__job *job, pm_error *error)
             if (status != PM_OK)
                 return status;
         }
+    for (size_t e = 0; e < c->estimator_count; e++) {
+        const pm_status status = check_variants(job, &c->estimators[e], error);
+        if (status != PM_OK)
+            return status;
+    }
     return PM_OK;
 }
 
@@ -223,11 +242,11 @@ static pm_status allocate_results(pm__job *job)
     job->trial_status = pm__alloc_zero(trials, sizeof *job->trial_status);
     job->predicted_mean = pm__alloc(variants * job->probe_count, sizeof *job->predicted_mean);
     job->predicted_variance = pm__alloc(variants * job->probe_count, sizeof *job->predicted_variance);
-    if (job->oracle_count)
-        job->oracle_errors =
-            pm__alloc_zero(job->oracle_count * job->candidate_count * plane, sizeof *job->oracle_errors);
+    const size_t choices = job->oracle_count * job->candidate_count;
+    job->oracle_errors = pm__alloc_zero(choices * plane, sizeof *job->oracle_errors);
+    job->expected_square = pm__alloc(choices * job->probe_count, sizeof *job->expected_square);
     return job->errors && job->degenerate && job->trial_status && job->predicted_mean && job->predicted_variance &&
-                   (job->oracle_errors || !job->oracle_count)
+                   job->oracle_errors && job->expected_square
                ? PM_OK
                : PM_ENOMEM;
 }
@@ -266,6 +285,7 @@ void pm__job_free(pm__job *job)
     free(job->candidates);
     free(job->errors);
     free(job->oracle_errors);
+    free(job->expected_square);
     free(job->degenerate);
     free(job->trial_status);
     free(job->predicted_mean);

@@ -105,13 +105,18 @@ static void truncated_binomial(pm__law_grid *grid, double p)
     }
 }
 
+static void set_inner(double inner_p[PM__LAW_INNER], const pm__law_rule *rule, const pm__radial *radial, double r)
+{
+    for (int j = 0; j < PM__LAW_INNER; j++)
+        inner_p[j] = pm__radial_at(radial, r * rule->inner[j]);
+}
+
 static void set_cut(pm__law_grid *grid, const pm__law_rule *rule, const pm__radial *radial, double radius)
 {
     grid->cut = true;
     grid->cut_radius = radius;
     grid->cut_p = pm__radial_at(radial, radius);
-    for (int j = 0; j < PM__LAW_INNER; j++)
-        grid->cut_inner_p[j] = pm__radial_at(radial, radius * rule->inner[j]);
+    set_inner(grid->cut_inner_p, rule, radial, radius);
     if (grid->k) {
         truncated_binomial(grid, grid->cut_p);
     } else {
@@ -121,7 +126,8 @@ static void set_cut(pm__law_grid *grid, const pm__law_rule *rule, const pm__radi
     }
 }
 
-static void set_radii(pm__law_grid *grid, const pm__law_rule *rule, const pm__radial *radial, double from, double to)
+static void set_radii(pm__law_grid *grid, const pm__law_rule *rule, bool with_inner, const pm__radial *radial,
+                      double from, double to)
 {
     const double constant = log_constant(grid->k, grid->photons);
     double low = 0.0;
@@ -135,16 +141,20 @@ static void set_radii(pm__law_grid *grid, const pm__law_rule *rule, const pm__ra
             rule->outer_weight[i] * (to - from) * exp(constant + log_density(grid->k, grid->photons, y));
         grid->radius[i] = r;
         grid->p[i] = p;
-        for (int j = 0; j < PM__LAW_INNER; j++)
-            grid->inner_p[i][j] = pm__radial_at(radial, r * rule->inner[j]);
+        if (with_inner)
+            set_inner(grid->inner_p[i], rule, radial, r);
     }
     grid->count = PM__LAW_OUTER;
 }
 
-bool pm__law_grid_init(pm__law_grid *grid, const pm__law_rule *rule, const pm__radial *radial, size_t k,
-                       size_t photons, double radius)
+bool pm__law_grid_init(pm__law_grid *grid, const pm__law_rule *rule, bool with_inner, const pm__radial *radial,
+                       size_t k, size_t photons, double radius)
 {
-    *grid = (pm__law_grid){.k = k, .photons = photons, .dimensions = radial->dimensions};
+    grid->k = k; /* fields of what does not happen stay as they are */
+    grid->photons = photons;
+    grid->dimensions = radial->dimensions;
+    grid->count = 0;
+    grid->cut = false;
     const bool limited = !isinf(radius);
     if (!k) {
         set_cut(grid, rule, radial, radius);
@@ -160,7 +170,7 @@ bool pm__law_grid_init(pm__law_grid *grid, const pm__law_rule *rule, const pm__r
     }
     const double to = fmin(far, log_cut);
     if (to > from)
-        set_radii(grid, rule, radial, from, to);
+        set_radii(grid, rule, with_inner, radial, from, to);
     return true;
 }
 
@@ -210,11 +220,27 @@ static pm__moments weight_moments(const pm__kernel_law *law, double p, const dou
     return (pm__moments){mean, fmax(0.0, second / p - mean * mean)};
 }
 
-static double scale_of(const pm__kernel_law *law, const pm__law_grid *grid, double flux, double radius)
+static double scale_of(double norm, const pm__law_grid *grid, double flux, double radius)
 {
     const double pi = 3.14159265358979323846;
     const double measure = (grid->dimensions == 3 ? 4.0 / 3.0 * pi : pi) * to_power(radius, grid->dimensions);
-    return flux / (law->norm * measure);
+    return flux / (norm * measure);
+}
+
+pm__moments pm__disc_moments(const pm__law_grid *grid, double flux, double last)
+{
+    double mean = 0.0, square = 0.0;
+    for (size_t i = 0; i < grid->count; i++) {
+        const double at = scale_of(1.0, grid, flux, grid->radius[i]) * ((double)grid->k - 1.0 + last);
+        mean += grid->probability[i] * at;
+        square += grid->probability[i] * at * at;
+    }
+    if (grid->cut) {
+        const double scale = scale_of(1.0, grid, flux, grid->cut_radius);
+        mean += scale * grid->cut_mean;
+        square += scale * scale * grid->cut_square;
+    }
+    return (pm__moments){mean, fmax(0.0, square - mean * mean)};
 }
 
 pm__moments pm__kernel_moments(const pm__kernel_law *law, const pm__law_grid *grid, double flux)
@@ -223,14 +249,14 @@ pm__moments pm__kernel_moments(const pm__kernel_law *law, const pm__law_grid *gr
     const double inside = (double)grid->k - 1.0;
     for (size_t i = 0; i < grid->count; i++) {
         const pm__moments w = weight_moments(law, grid->p[i], grid->inner_p[i]);
-        const double scale = scale_of(law, grid, flux, grid->radius[i]);
+        const double scale = scale_of(law->norm, grid, flux, grid->radius[i]);
         const double at = scale * (inside * w.mean + law->last * law->rim);
         mean += grid->probability[i] * at;
         square += grid->probability[i] * (at * at + scale * scale * inside * w.variance);
     }
     if (grid->cut) {
         const pm__moments w = weight_moments(law, grid->cut_p, grid->cut_inner_p);
-        const double scale = scale_of(law, grid, flux, grid->cut_radius);
+        const double scale = scale_of(law->norm, grid, flux, grid->cut_radius);
         mean += scale * w.mean * grid->cut_mean;
         square += scale * scale * (w.variance * grid->cut_mean + w.mean * w.mean * grid->cut_square);
     }

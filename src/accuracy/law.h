@@ -46,10 +46,10 @@ typedef struct pm__law_grid {
     double cut_mean, cut_square;    /* E[j; cut], E[j^2; cut] of the number j found */
 } pm__law_grid;
 
-/* k = 0: fixed radius. radius: INFINITY where nothing cuts. False where fewer than k may be accepted and nothing cuts:
+/* with_inner: false leaves out what kernels other than the disc need. k = 0: fixed radius. radius: INFINITY where nothing cuts. False where fewer than k may be accepted and nothing cuts:
  * that estimate has no law here. */
-bool pm__law_grid_init(pm__law_grid *grid, const pm__law_rule *rule, const pm__radial *radial, size_t k,
-                       size_t photons, double radius);
+bool pm__law_grid_init(pm__law_grid *grid, const pm__law_rule *rule, bool with_inner, const pm__radial *radial,
+                       size_t k, size_t photons, double radius);
 
 /* A kernel's constants. With I1, I2 the integrals of w dp and w^2 dp over a lookup of radius r, by parts:
  * I1 = w(1) p(r) - integral of w'(t) p(r t) dt. */
@@ -65,6 +65,9 @@ bool pm__kernel_law_init(pm__kernel_law *law, const pm__law_rule *rule, const pm
 typedef struct pm__moments {
     double mean, variance; /* W/m2 (W/m3), and its square */
 } pm__moments;
+
+/* The disc with the share `last` of its k-th photon: needs no inner nodes. */
+pm__moments pm__disc_moments(const pm__law_grid *grid, double flux, double last);
 
 /* Of photons that each carry `flux` W. */
 pm__moments pm__kernel_moments(const pm__kernel_law *law, const pm__law_grid *grid, double flux);

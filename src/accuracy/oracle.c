@@ -1,5 +1,6 @@
-/* The oracle: at each probe the k of least squared error over the other trials, so that the error it is judged by is
- * never the one it was chosen by. */
+/* The oracle: at each probe the k of least expected squared error. Where theory knows that expectation it chooses; else
+ * the mean over the other trials does, so that the error it is judged by is never the one it was chosen by. (With few
+ * trials that choice is itself noisy.) */
 #include "bench.h"
 
 #include "../base/memory.h"
@@ -43,6 +44,20 @@ static float best_error(const choice *c, size_t trial, size_t probe)
     return error_at(c, best, trial, probe);
 }
 
+/* The candidate that theory prefers, or `candidates` where it does not know them all. */
+static size_t best_expected(const choice *c, const double *expected, size_t probe)
+{
+    size_t best = 0;
+    for (size_t i = 0; i < c->candidates; i++) {
+        const double square = expected[i * c->job->probe_count + probe];
+        if (isnan(square))
+            return c->candidates;
+        if (square < expected[best * c->job->probe_count + probe])
+            best = i;
+    }
+    return best;
+}
+
 static size_t candidates_up_to(const pm__job *job, size_t k)
 {
     size_t count = 0;
@@ -63,10 +78,15 @@ pm_status pm__apply_oracles(pm__job *job)
             continue;
         const choice c = {job, job->oracle_errors + variant->variety * job->candidate_count * plane, sums,
                           candidates_up_to(job, variant->k)};
+        const double *const expected =
+            job->expected_square + variant->variety * job->candidate_count * job->probe_count;
         for (size_t q = 0; q < job->probe_count; q++) {
-            sum_squares(&c, q);
+            const size_t best = best_expected(&c, expected, q);
+            if (best == c.candidates)
+                sum_squares(&c, q);
             for (size_t t = 0; t < trials; t++)
-                job->errors[v * plane + t * job->probe_count + q] = best_error(&c, t, q);
+                job->errors[v * plane + t * job->probe_count + q] =
+                    best < c.candidates ? error_at(&c, best, t, q) : best_error(&c, t, q);
         }
     }
     free(sums);

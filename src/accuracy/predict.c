@@ -76,12 +76,9 @@ static void predict_variant(const prediction *p, size_t v, size_t probe, const p
 }
 
 /* Variants come estimator by estimator; those with the same k and radius share a grid. */
-static void predict_probe(const prediction *p, size_t probe, bool *done)
+static void predict_kernels(const prediction *p, size_t probe, const pm__radial *radial, bool *done)
 {
     const pm__job *const job = p->job;
-    pm__radial radial;
-    if (!tabulate(p, probe, &radial))
-        return;
     for (size_t v = 0; v < job->variant_count; v++)
         done[v] = !p->has_law[v] || (job->variants[v].k && !p->independent);
     for (size_t v = 0; v < job->variant_count; v++) {
@@ -89,7 +86,7 @@ static void predict_probe(const prediction *p, size_t probe, bool *done)
             continue;
         const pm__variant *const first = &job->variants[v];
         pm__law_grid grid;
-        const bool known = pm__law_grid_init(&grid, &p->rule, &radial, first->k, job->photons, first->radius);
+        const bool known = pm__law_grid_init(&grid, &p->rule, true, radial, first->k, job->photons, first->radius);
         for (size_t w = v; w < job->variant_count; w++)
             if (!done[w] && job->variants[w].k == first->k && job->variants[w].radius == first->radius) {
                 done[w] = true;
@@ -97,6 +94,33 @@ static void predict_probe(const prediction *p, size_t probe, bool *done)
                     predict_variant(p, w, probe, &grid);
             }
     }
+}
+
+/* The expected squared error of the disc with each of the oracles' candidates. */
+static void predict_candidates(const prediction *p, size_t probe, const pm__radial *radial)
+{
+    const pm__job *const job = p->job;
+    for (size_t c = 0; c < job->candidate_count && p->independent; c++) {
+        pm__law_grid grid;
+        if (!pm__law_grid_init(&grid, &p->rule, false, radial, job->candidates[c], job->photons, job->max_radius))
+            continue;
+        for (size_t o = 0; o < job->oracle_count; o++) {
+            const pm__moments m =
+                pm__disc_moments(&grid, p->flux, pm__estimator_of(job->oracles[o])->last(job->oracles[o]->values));
+            const double bias = m.mean - job->truth[probe];
+            job->expected_square[(o * job->candidate_count + c) * job->probe_count + probe] =
+                m.variance + bias * bias;
+        }
+    }
+}
+
+static void predict_probe(const prediction *p, size_t probe, bool *done)
+{
+    pm__radial radial;
+    if (!tabulate(p, probe, &radial))
+        return;
+    predict_kernels(p, probe, &radial, done);
+    predict_candidates(p, probe, &radial);
 }
 
 static void predict_block(void *argument, size_t block)
@@ -142,6 +166,8 @@ pm_status pm__predict(pm__job *job)
 {
     for (size_t i = 0; i < job->variant_count * job->probe_count; i++)
         job->predicted_mean[i] = job->predicted_variance[i] = NAN;
+    for (size_t i = 0; i < job->oracle_count * job->candidate_count * job->probe_count; i++)
+        job->expected_square[i] = NAN;
     const pm__sampler *const sampler = (const pm__sampler *)(const void *)job->sampler_spec->entry;
     prediction p = {.job = job,
                     .laws = pm__alloc(job->variant_count, sizeof *p.laws),

@@ -41,9 +41,9 @@ static pm_status measure(pm__job *job, pm__accuracy_row **rows, size_t *row_coun
     for (size_t t = 0; t < job->config->trials; t++)
         if (job->trial_status[t] != PM_OK)
             return job->trial_status[t];
-    pm_status status = pm__apply_oracles(job);
+    pm_status status = pm__predict(job);
     if (status == PM_OK)
-        status = pm__predict(job);
+        status = pm__apply_oracles(job);
     pm__timing *const timings = job->config->timing ? pm__alloc(job->variant_count, sizeof *timings) : NULL;
     if (status == PM_OK && job->config->timing)
         status = timings ? pm__time_variants(job, timings) : PM_ENOMEM;

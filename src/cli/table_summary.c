@@ -35,11 +35,11 @@ static void print_choice(const pm__table *table, const char *left, const char *w
     pm__spec_format_short(row->estimator_spec, estimator, sizeof estimator);
     pm__table_lookup(row, lookup, sizeof lookup);
     (void)snprintf(text, sizeof text, "%s, %s", estimator, lookup);
-    (void)fprintf(table->file, "%-24s %-12s %-38s", left, what, text);
+    (void)fprintf(table->file, "%-24s %-11s %-36s", left, what, text);
     pm__table_number(table->file, 6, 100.0 * row->rel_rmse, 0);
     (void)fputs(" %", table->file);
-    pm__table_time(table->file, row->ns_per_query);
-    (void)fputs(" us\n", table->file);
+    pm__table_number(table->file, 8, 1000.0 * row->cost_s, 0);
+    (void)fputs(" ms\n", table->file);
 }
 
 static void print_run(const pm__table *table, size_t first, size_t end)
@@ -66,7 +66,8 @@ static void print_run(const pm__table *table, size_t first, size_t end)
 
 void pm__table_summary(const pm__table *table)
 {
-    (void)fputs("\nLeast rmse in region all, and the cheapest within 10 % of it (without those that need the truth)\n",
+    (void)fputs("\nLeast rmse in region all, and the cheapest within 10 % of it, of those that do without the truth\n"
+                "(cost: the photons drawn, the map built and the queries of region all, on one thread)\n",
                 table->file);
     for (size_t i = 0; i < table->row_count;) {
         const size_t end = pm__table_run(table, i, false);

@@ -7,11 +7,11 @@
 enum { EXPONENT_BIAS = 128, MAX_EXPONENT = 255 - EXPONENT_BIAS };
 
 static const double pi = 3.14159265358979323846;
-static const float smallest_power = 1e-38F;
+static const float smallest_power = 1e-38f;
 
 static float usable_power(float power)
 {
-    return isfinite(power) && power > 0.0F ? power : 0.0F;
+    return isfinite(power) && power > 0.0f ? power : 0.0f;
 }
 
 /* The cell of `fraction` (0 to 1) among 256 (errata 22: all 256 are used); NaN falls into the first. */

@@ -97,7 +97,8 @@ static pm_status read_table(pm__ply *ply, table *t, pm_error *error)
 {
     const size_t count = (size_t)ply->vertex->count;
     const bool confirmed = pm__ply_remaining(&ply->input) != UINT64_MAX;
-    pm_status status = reserve(t, ply, !count ? 1 : confirmed || count < FIRST_CAPACITY ? count : FIRST_CAPACITY, error);
+    const size_t first = confirmed || count < FIRST_CAPACITY ? count : FIRST_CAPACITY;
+    pm_status status = reserve(t, ply, first ? first : 1, error);
     for (size_t i = 0; status == PM_OK && i < count; i++) {
         double values[PM__PLY_FIELDS];
         status = pm__ply_next(ply, values, error);

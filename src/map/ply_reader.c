@@ -186,7 +186,8 @@ pm_status pm__ply_open(const char *path, pm__ply *ply, pm_error *error)
         if (strcmp(ply->header.elements[i].name, "vertex") == 0)
             ply->vertex = &ply->header.elements[i];
     if (status == PM_OK && !ply->vertex)
-        status = pm__fail(error, PM_EFORMAT, "%s, line %" PRIu64 ": expected an element vertex in the header, found none",
+        status = pm__fail(error, PM_EFORMAT,
+                          "%s, line %" PRIu64 ": expected an element vertex in the header, found none",
                           ply->input.name, ply->input.line - 1);
     else if (status == PM_OK && ply->vertex->count > PM_MAX_PHOTONS)
         status = pm__fail(error, PM_EFORMAT, "%s: header: expected at most %zu vertices, found %" PRIu64,

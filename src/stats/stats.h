@@ -27,7 +27,7 @@ typedef struct pm__error_summary {
 } pm__error_summary;
 
 /* Moments and 95 % jackknife intervals over trials. noise and rmse have theirs on a log scale; rms_bias on the scale of
- * its square, one-sided (low = 0) where 0 is not excluded. scratch: probes doubles. Cost: two passes. */
+ * its square, by inversion of its test, one-sided (low = 0) where 0 is not excluded. scratch: probes doubles. Cost: two passes. */
 void pm__summarize_errors(const pm__trial_errors *errors, double *scratch, pm__error_summary *summary);
 
 /* Median and a distribution-free interval for it from order statistics: at least 95 % where n >= 6, else the range. values

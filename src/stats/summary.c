@@ -113,7 +113,62 @@ static pm__interval around_log(double log_value, double half)
     return (pm__interval){exp(log_value - half), exp(log_value + half)};
 }
 
-static void fill_summary(const sums *u, pm__error_summary *out)
+enum { PAIRED_TRIALS = 32 };
+
+/* The variance of the mean over probes of the squared noise of the trial mean: 2 tr(C^2) / n^2, C the covariance between
+ * probes (over their number). Off the diagonal the products of two trials' deviations have the variance tr(C^2), so a
+ * few trials tell it. sum_of_probe: sums over all trials. */
+static double noise_square_variance(const sums *u, const double *sum_of_probe)
+{
+    const pm__trial_errors *const e = u->errors;
+    const size_t n = e->trials < PAIRED_TRIALS ? e->trials : PAIRED_TRIALS;
+    double sum = 0.0, square = 0.0, pairs = 0.0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < i; j++) {
+            const float *const a = e->error + i * e->trials / n * e->stride;
+            const float *const b = e->error + j * e->trials / n * e->stride;
+            double product = 0.0;
+            for (size_t q = 0; q < e->probes; q++) {
+                const double mean = sum_of_probe[q] / (double)e->trials;
+                product += ((double)a[q] - mean) * ((double)b[q] - mean);
+            }
+            product /= (double)e->probes;
+            sum += product;
+            square += product * product;
+            pairs += 1.0;
+        }
+    const double trials = (double)e->trials, mean = sum / pairs;
+    return 2.0 * fmax(0.0, square / pairs - mean * mean) / (trials * trials);
+}
+
+/* Squared bias x from its unbiased estimate U, whose variance at x is 4 x s2 + v: s2 the noise along the bias, v that of
+ * the squared noise. The interval is {x: |U - x| <= q sqrt(4 x s2 + v)}: unlike U +- q (standard error at U) it keeps
+ * its coverage where noise has by chance cancelled most of the bias. */
+static pm__interval squared_bias_interval(double u, double s2, double v, double q)
+{
+    const double middle = u + 2.0 * q * q * s2;
+    const double half = sqrt(fmax(0.0, middle * middle - u * u + q * q * v));
+    return (pm__interval){middle - half, middle + half};
+}
+
+static void fill_rms_bias(const sums *u, const double *sum_of_probe, double two_sided, double one_sided,
+                          pm__error_summary *out)
+{
+    const moments all = all_trials(u);
+    const double squared = squared_bias_of(&all), width = half_width(u, squared_bias_of, 1.0);
+    const double v = noise_square_variance(u, sum_of_probe);
+    /* Noise along the bias, as the jackknife saw it; where the bias hardly stands out of the noise its direction is not
+     * known, and the largest that noise can be in any direction stands in. */
+    double along = all.mean_square > 0.0 ? width * width / (4.0 * all.mean_square) : 0.0;
+    along = fmax(along, sqrt(0.5 * v) * fmin(1.0, sqrt(v) / fmax(squared, 1e-300)));
+    pm__interval x = squared_bias_interval(squared, along, v, two_sided);
+    if (x.low <= 0.0)
+        x = (pm__interval){0.0, squared_bias_interval(squared, along, v, one_sided).high};
+    out->rms_bias = sqrt(fmax(0.0, squared));
+    out->rms_bias_ci95 = (pm__interval){sqrt(x.low), sqrt(fmax(0.0, x.high))};
+}
+
+static void fill_summary(const sums *u, const double *sum_of_probe, pm__error_summary *out)
 {
     const moments all = all_trials(u);
     const double dof = all.n - 1.0;
@@ -123,13 +178,7 @@ static void fill_summary(const sums *u, pm__error_summary *out)
     const double half = half_width(u, mean_of, two_sided);
     out->bias_ci95 = (pm__interval){all.mean - half, all.mean + half};
 
-    const double squared = squared_bias_of(&all), width = half_width(u, squared_bias_of, 1.0);
-    out->rms_bias = sqrt(fmax(0.0, squared));
-    if (squared - two_sided * width > 0.0)
-        out->rms_bias_ci95 =
-            (pm__interval){sqrt(squared - two_sided * width), sqrt(squared + two_sided * width)};
-    else
-        out->rms_bias_ci95 = (pm__interval){0.0, sqrt(fmax(0.0, squared + one_sided * width))};
+    fill_rms_bias(u, sum_of_probe, two_sided, one_sided, out);
 
     out->noise = sqrt(variance_of(&all));
     out->noise_ci95 = around_log(log_noise(&all), all.n > 2.0 ? half_width(u, log_noise, two_sided) : INFINITY);
@@ -146,6 +195,6 @@ void pm__summarize_errors(const pm__trial_errors *errors, double *scratch, pm__e
         return;
     sums u = {errors, per_trial, per_trial + errors->trials, per_trial + 2 * errors->trials, 0.0, 0.0, 0.0};
     add_up(&u, scratch);
-    fill_summary(&u, summary);
+    fill_summary(&u, scratch, summary);
     free(per_trial);
 }

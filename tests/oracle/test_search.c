@@ -1,0 +1,292 @@
+/* Every search against an independent brute force in the caller's own coordinates: the same photons to the last tie. */
+#include "../../src/base/memory.h"
+#include "../../src/base/random.h"
+#include "../../src/search/search.h"
+#include "../test.h"
+
+#include <string.h>
+
+enum { CLOUDS = 6 };
+
+/* uniform box; coarse grid (ties); all in one point; a line; a plane with two densities; a ball far from the origin */
+static void make_cloud(int cloud, size_t count, pm_photon *photons)
+{
+    for (size_t i = 0; i < count; i++) {
+        double u[6], d[3];
+        pm__random_uniform(11, PM__FOR_TESTS, (uint32_t)cloud, i, u, 6);
+        for (int a = 0; a < 3; a++) {
+            double x = u[a];
+            if (cloud == 1)
+                x = floor(8.0 * x) / 8.0;
+            else if (cloud == 2)
+                x = 0.25;
+            else if (cloud == 3 && a > 0)
+                x = 0.5;
+            else if (cloud == 4)
+                x = a == 2 ? 0.0 : i % 2 ? x : 0.01 * x;
+            else if (cloud == 5)
+                x = 1000.0 + x;
+            photons[i].position[a] = (float)x;
+            d[a] = u[3 + a] - 0.5;
+        }
+        const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        for (int a = 0; a < 3; a++) {
+            photons[i].direction[a] = (float)(d[a] / length);
+            photons[i].power[a] = 1.0f;
+        }
+    }
+}
+
+typedef struct hit {
+    double distance2;
+    uint32_t index;
+} hit;
+
+static int by_distance(const void *a, const void *b)
+{
+    const hit *const x = a, *const y = b;
+    if (x->distance2 != y->distance2)
+        return x->distance2 < y->distance2 ? -1 : 1;
+    return (x->index > y->index) - (x->index < y->index);
+}
+
+/* The definition of a lookup, in double and by other expressions than the library's. */
+static size_t accepted(const pm_photon *photons, size_t count, const pm_query *q, hit *hits)
+{
+    size_t found = 0;
+    double length = 0.0;
+    for (int a = 0; a < 3; a++)
+        length = hypot(length, (double)q->normal[a]);
+    for (size_t i = 0; i < count; i++) {
+        double d2 = 0.0, h = 0.0, facing = 0.0;
+        for (int a = 0; a < 3; a++) {
+            const double d = (double)photons[i].position[a] - (double)q->position[a];
+            d2 += d * d;
+            h += d * (double)q->normal[a] / length;
+            facing += (double)photons[i].direction[a] * (double)q->normal[a];
+        }
+        const double s = (double)q->shape_parameter;
+        if (q->shape == PM_LOOKUP_ELLIPSOID)
+            d2 = (d2 - h * h) + s * s * h * h;
+        if (q->shape == PM_LOOKUP_DISC)
+            d2 = fmax(0.0, d2 - h * h);
+        if ((q->front_only && facing >= 0.0) || (q->shape == PM_LOOKUP_DISC && fabs(h) > s) ||
+            sqrt(d2) > (double)q->max_radius)
+            continue;
+        hits[found++] = (hit){d2, (uint32_t)i};
+    }
+    qsort(hits, found, sizeof *hits, by_distance);
+    return found;
+}
+
+static pm_query make_query(int cloud, size_t number, int shape)
+{
+    double u[8];
+    pm__random_uniform(12, PM__FOR_TESTS, (uint32_t)cloud, number, u, 8);
+    pm_query q;
+    pm_query_init(&q);
+    for (int a = 0; a < 3; a++) {
+        q.position[a] = (float)(u[a] * 1.2 - 0.1 + (cloud == 5 ? 1000.0 : 0.0));
+        q.normal[a] = (float)(u[3 + a] - 0.5);
+    }
+    if (cloud == 1 && number % 2) /* on a grid point: many exact ties */
+        for (int a = 0; a < 3; a++)
+            q.position[a] = (float)(floor(u[a] * 8.0) / 8.0);
+    q.shape = (pm_lookup_shape)(shape % 3);
+    q.shape_parameter = q.shape == PM_LOOKUP_DISC ? 0.3f : 2.5f;
+    q.front_only = shape >= 3;
+    q.max_radius = number % 3 ? INFINITY : (float)(0.05 + 0.5 * u[6]);
+    return q;
+}
+
+/* Photons whose distance the definition and the library may round to different sides. */
+static bool nearly(double a, double b)
+{
+    return fabs(a - b) <= 4e-6 * (fabs(a) + fabs(b)) + 1e-12;
+}
+
+/* Brute force of the library against the definition: the same photons but for such as tie to within rounding. */
+static void check_brute(const pm_map *map, const pm_photon *photons, size_t count, const pm_query *q, hit *hits,
+                        pm_neighbor *found)
+{
+    const size_t expected = accepted(photons, count, q, hits);
+    size_t got = 0;
+    pm_query query = *q;
+    query.search = pm_search_find("brute");
+    ck_assert_int_eq(pm_map_search(map, &query, found, count, &got), PM_OK);
+    const size_t want = expected < q->k ? expected : q->k;
+    if (isinf(q->max_radius) && q->shape != PM_LOOKUP_DISC && !q->front_only)
+        ck_assert_uint_eq(got, want);
+    ck_assert_int_le(abs((int)got - (int)want), 1); /* one may lie on the rim of radius or disc */
+    const double unit = pm_map_unit(map);
+    for (size_t i = 0; i < got && i < want; i++)
+        ck_assert_msg(nearly((double)found[i].distance2 * unit * unit, hits[i].distance2), "%g, not %g",
+                      (double)found[i].distance2 * unit * unit, hits[i].distance2);
+}
+
+START_TEST(searches_agree_with_the_definition_and_with_each_other)
+{
+    enum { COUNT = 700 };
+    static const size_t ks[] = {1, 2, 3, 8, 50, 699, 700, 5000};
+    pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
+    hit *const hits = pm__alloc(COUNT, sizeof *hits);
+    pm_neighbor *const expected = pm__alloc(COUNT, sizeof *expected), *const found = pm__alloc(COUNT, sizeof *found);
+    for (int cloud = 0; cloud < CLOUDS; cloud++) {
+        make_cloud(cloud, COUNT, photons);
+        pm_map *map = NULL;
+        ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, &map, NULL), PM_OK);
+        for (size_t number = 0; number < 40; number++)
+            for (int shape = 0; shape < 6; shape++)
+                for (size_t ki = 0; ki < sizeof ks / sizeof *ks; ki++) {
+                    pm_query q = make_query(cloud, number, shape);
+                    q.k = ks[ki];
+                    if (cloud == 0 || cloud == 4)
+                        check_brute(map, photons, COUNT, &q, hits, expected);
+                    size_t want = 0, got = 0;
+                    q.search = pm_search_find("brute");
+                    ck_assert_int_eq(pm_map_search(map, &q, expected, COUNT, &want), PM_OK);
+                    for (size_t s = 0; s < pm__searches.count; s++) {
+                        q.search = pm_search_find(pm__searches.entries[s]->name);
+                        ck_assert_int_eq(pm_map_search(map, &q, found, COUNT, &got), PM_OK);
+                        ck_assert_uint_eq(got, want);
+                        ck_assert_msg(!memcmp(found, expected, got * sizeof *found), "%s differs: cloud %d, k %zu",
+                                      pm__searches.entries[s]->name, cloud, q.k);
+                    }
+                }
+        pm_map_destroy(map);
+    }
+    free(photons);
+    free(hits);
+    free(expected);
+    free(found);
+}
+END_TEST
+
+/* Equal distances go to the lower index of the caller, whatever the tree did to the order. */
+START_TEST(ties_go_to_the_lower_index)
+{
+    enum { COUNT = 64 };
+    pm_photon photons[COUNT];
+    make_cloud(2, COUNT, photons);
+    pm_map *map = NULL;
+    ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, &map, NULL), PM_OK);
+    for (size_t s = 0; s < pm__searches.count; s++)
+        for (size_t k = 1; k <= COUNT; k++) {
+            pm_query q;
+            pm_neighbor found[COUNT];
+            size_t count = 0;
+            pm_query_init(&q);
+            q.k = k;
+            q.search = pm_search_find(pm__searches.entries[s]->name);
+            ck_assert_int_eq(pm_map_search(map, &q, found, COUNT, &count), PM_OK);
+            ck_assert_uint_eq(count, k);
+            for (size_t i = 0; i < k; i++)
+                ck_assert_uint_eq(pm_map_source(map, found[i].number), i);
+        }
+    pm_map_destroy(map);
+}
+END_TEST
+
+START_TEST(fixed_radii_find_all_and_say_how_many)
+{
+    enum { COUNT = 2000 };
+    pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
+    hit *const hits = pm__alloc(COUNT, sizeof *hits);
+    pm_neighbor *const found = pm__alloc(COUNT, sizeof *found), *const expected = pm__alloc(COUNT, sizeof *found);
+    make_cloud(0, COUNT, photons);
+    pm_map *map = NULL;
+    ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, &map, NULL), PM_OK);
+    for (size_t number = 0; number < 50; number++)
+        for (int shape = 0; shape < 6; shape++) {
+            pm_query q = make_query(0, number, shape);
+            q.k = 0;
+            q.max_radius = (float)(0.02 * (double)(number + 1));
+            q.search = pm_search_find("brute");
+            size_t want = 0, got = 0;
+            ck_assert_int_eq(pm_map_search(map, &q, expected, COUNT, &want), PM_OK);
+            ck_assert_int_le(abs((int)accepted(photons, COUNT, &q, hits) - (int)want), 1);
+            for (size_t s = 0; s < pm__searches.count; s++) {
+                q.search = pm_search_find(pm__searches.entries[s]->name);
+                ck_assert_int_eq(pm_map_search(map, &q, found, COUNT, &got), PM_OK);
+                ck_assert_uint_eq(got, want);
+                ck_assert(!memcmp(found, expected, got * sizeof *found));
+                if (want > 3) {
+                    ck_assert_int_eq(pm_map_search(map, &q, found, 3, &got), PM_ETRUNCATED);
+                    ck_assert_uint_eq(got, want);
+                }
+            }
+        }
+    pm_map_destroy(map);
+    free(photons);
+    free(hits);
+    free(found);
+    free(expected);
+}
+END_TEST
+
+START_TEST(bad_queries_are_refused)
+{
+    pm_photon photons[10];
+    make_cloud(0, 10, photons);
+    pm_map *map = NULL;
+    ck_assert_int_eq(pm_map_create(photons, 10, NULL, &map, NULL), PM_OK);
+    pm_neighbor found[10];
+    size_t count = 7;
+    pm_query good, q;
+    pm_query_init(&good);
+    good.k = 3;
+#define REFUSED(change)                                                          \
+    do {                                                                         \
+        q = good;                                                                \
+        change;                                                                  \
+        ck_assert_int_eq(pm_map_search(map, &q, found, 10, &count), PM_EINVAL);  \
+        ck_assert_uint_eq(count, 0);                                             \
+    } while (0)
+    REFUSED(q.position[1] = NAN);
+    REFUSED(q.position[0] = INFINITY);
+    REFUSED(q.max_radius = -1.0f);
+    REFUSED(q.max_radius = NAN);
+    REFUSED(q.k = 0);
+    REFUSED((q.front_only = true, q.normal[2] = 0.0f));
+    REFUSED((q.front_only = true, q.normal[2] = NAN));
+    REFUSED((q.shape = PM_LOOKUP_ELLIPSOID, q.shape_parameter = 0.5f));
+    REFUSED((q.shape = PM_LOOKUP_DISC, q.shape_parameter = -1.0f));
+    REFUSED(q.shape = (pm_lookup_shape)9);
+    ck_assert_int_eq(pm_map_search(map, &good, found, 2, &count), PM_EINVAL); /* no room for k */
+    ck_assert_int_eq(pm_map_search(map, &good, found, 3, &count), PM_OK);
+    ck_assert_uint_eq(count, 3);
+    q = good;
+    q.k = 0;
+    q.max_radius = 0.0f; /* exactly at a photon: found; the rim is inclusive */
+    memcpy(q.position, photons[4].position, sizeof q.position);
+    ck_assert_int_eq(pm_map_search(map, &q, found, 10, &count), PM_OK);
+    ck_assert_uint_eq(count, 1);
+    ck_assert_uint_eq(pm_map_source(map, found[0].number), 4);
+    q = good;
+    q.position[0] = 3e38f; /* far beyond: still an answer */
+    ck_assert_int_eq(pm_map_search(map, &q, found, 10, &count), PM_OK);
+    ck_assert_uint_eq(count, 3);
+    pm_map_destroy(map);
+    ck_assert_int_eq(pm_map_create(NULL, 0, NULL, &map, NULL), PM_OK);
+    ck_assert_int_eq(pm_map_search(map, &good, found, 10, &count), PM_OK);
+    ck_assert_uint_eq(count, 0);
+    pm_map_destroy(map);
+    ck_assert_ptr_null(pm_search_find("no such search"));
+    ck_assert_ptr_null(pm_search_find(NULL));
+}
+END_TEST
+
+/* [C02] 5.2 with its printed example constants: 1.4235 and 0.72429 (errata 44). */
+START_TEST(automatic_radii_have_the_papers_constants)
+{
+    PM_CHECK_NEAR(pm_max_radius_surface(1, 1.0, 0.05), 1.4235, 5e-5);
+    PM_CHECK_NEAR(pm_max_radius_volume(1, 1.0, 1.0, 0.05), 0.72429, 5e-6);
+    PM_CHECK_NEAR(pm_max_radius_surface(50, 2.0, 0.1), sqrt(50.0 * 2.0 / 0.1) / acos(-1.0), 1e-12);
+    PM_CHECK_NEAR(pm_max_radius_surface(5, 0.0, 0.1), 0.0, 0.0);
+    PM_CHECK_NEAR(pm_max_radius_volume(5, 1.0, -1.0, 0.1), 0.0, 0.0);
+}
+END_TEST
+
+PM_TEST_MAIN("search", searches_agree_with_the_definition_and_with_each_other, ties_go_to_the_lower_index,
+             fixed_radii_find_all_and_say_how_many, bad_queries_are_refused,
+             automatic_radii_have_the_papers_constants)

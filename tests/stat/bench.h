@@ -1,0 +1,55 @@
+/* Running the accuracy bench from tests, and what its rows must satisfy. */
+#ifndef PM_TESTS_STAT_BENCH_H
+#define PM_TESTS_STAT_BENCH_H
+
+#include "../../src/accuracy/accuracy.h"
+#include "../../src/cli/parallel.h"
+#include "../test.h"
+
+#include <string.h>
+
+typedef struct bench_run {
+    const char *cases, *estimators, *sampler;
+    const size_t *ks;
+    size_t k_count;
+    double radius;
+    size_t photons, trials, probes;
+    uint64_t seed;
+    bool front_off;
+} bench_run;
+
+/* The caller frees the rows; specs stay allocated, as rows point to them. */
+static inline size_t run_bench(const bench_run *run, pm__accuracy_row **rows)
+{
+    static size_t threads;
+    const pm_parallel parallel = pm__parallel_for(&threads);
+    pm__spec *cases = NULL, *estimators = NULL, *samplers = NULL;
+    size_t case_count = 0, estimator_count = 0, sampler_count = 0, row_count = 0;
+    pm_error error = {""};
+    PM_CHECK_OK(pm__spec_parse_list(&pm__cases, run->cases, &cases, &case_count, &error), error);
+    PM_CHECK_OK(pm__spec_parse_list(&pm__estimators, run->estimators, &estimators, &estimator_count, &error), error);
+    PM_CHECK_OK(pm__spec_parse_list(&pm__samplers, run->sampler ? run->sampler : "poisson", &samplers, &sampler_count,
+                                    &error),
+                error);
+    const pm__accuracy_config config = {
+        .cases = cases, .case_count = case_count, .estimators = estimators, .estimator_count = estimator_count,
+        .ks = run->ks, .k_count = run->k_count, .radius = run->radius, .photons = &run->photons, .photon_count = 1,
+        .samplers = samplers, .sampler_count = sampler_count, .trials = run->trials, .probes_all = run->probes,
+        .probes_region = run->probes, .lookup = {PM_LOOKUP_SPHERE, 0.0, !run->front_off}, .seed = run->seed,
+        .parallel = &parallel};
+    PM_CHECK_OK(pm__accuracy_run(&config, rows, &row_count, &error), error);
+    return row_count;
+}
+
+static inline double half_width(pm__interval interval)
+{
+    return 0.5 * (interval.high - interval.low);
+}
+
+/* Standard error of the bias over trials, from its interval. */
+static inline double bias_error(const pm__accuracy_row *row)
+{
+    return half_width(row->rel_bias_ci95) / pm__student_quantile(0.975, (double)row->trials - 1.0);
+}
+
+#endif
