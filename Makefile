@@ -14,11 +14,27 @@ WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno $(CFLAGS)
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
-PROGRAM_DIRS = src/stats cases src/accuracy src/cli
+PROGRAM_DIRS = src/stats cases src/accuracy bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
+# Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
+CXX ?= c++
+HASH := \#
+has_header = $(shell printf '$(HASH)if !__has_include(<$(1)>)\n$(HASH)error\n$(HASH)endif\n' | $(CXX) -std=c++17 -E -x c++ - >/dev/null 2>&1 && echo yes)
+peer_if = $(if $(call has_header,$(2)),$(1))
+PEERS ?= $(call peer_if,nanoflann,nanoflann.hpp) $(call peer_if,flann,flann/flann.hpp) $(call peer_if,ann,ANN/ANN.h) \
+    $(call peer_if,cgal,CGAL/Kd_tree.h) $(call peer_if,embree,embree3/rtcore.h)
+PEERS := $(strip $(PEERS))
+PEER_TBB := $(if $(filter cgal,$(PEERS)),$(call has_header,tbb/parallel_for.h))
+PEER_LIBS := $(if $(filter flann,$(PEERS)),-lflann_cpp -llz4) $(if $(filter ann,$(PEERS)),-lann) \
+    $(if $(filter embree,$(PEERS)),-lembree3) $(if $(PEER_TBB),-ltbb) $(if $(PEERS),-lstdc++)
+PEER_DEFINES := $(foreach p,$(PEERS),-DPM_PEER_$(shell echo $(p) | tr a-z A-Z))
+# Their best: optimised whatever CFLAGS say, without assertions; warnings in their headers are theirs.
+PEER_CXXFLAGS = -std=c++17 -O2 -DNDEBUG -fvisibility=hidden $(if $(PEER_TBB),-DCGAL_LINKED_WITH_TBB)
+PEER_OBJECTS := $(BUILD)/obj/bench/peers/list.o $(PEERS:%=$(BUILD)/obj/bench/peers/%.o)
+
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/obj/%.o)
-PROGRAM_OBJECTS := $(PROGRAM_SOURCES:%.c=$(BUILD)/obj/%.o)
+PROGRAM_OBJECTS := $(PROGRAM_SOURCES:%.c=$(BUILD)/obj/%.o) $(PEER_OBJECTS)
 MAIN_OBJECT := $(BUILD)/obj/src/cli/main.o
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/*/test_*.c))
 SHARED = libphotonmap.so.$(VERSION)
@@ -53,11 +69,12 @@ demo: deps ## the quick accuracy suite: table on screen, rows in build/demo/accu
 	$(Q)mkdir -p $(BUILD)/demo
 	$(Q)$(BUILD)/photonbench accuracy --profile quick --json $(BUILD)/demo/accuracy.json
 
-bench: deps-bench ## time per query of every estimator with every search of our own
+bench: deps-bench ## searches and peer libraries against each other: table on screen, rows in build/bench/search.json
 	$(Q)$(MAKE) --no-print-directory program
 	$(Q)mkdir -p $(BUILD)/bench
-	$(Q)for s in recursive iterative; do \
-	    $(BUILD)/photonbench accuracy --case square --trials 4 --search $$s --json $(BUILD)/bench/accuracy-$$s.json; done
+	$(Q)$(BUILD)/photonbench search --case box,square,caustic,volume --k 8,50,500 --radius auto:50 --threads 1 \
+	    --search all --seconds 400 --json $(BUILD)/bench/search.json -o $(BUILD)/bench/search.txt
+	$(Q)cat $(BUILD)/bench/search.txt
 
 ##@ Check
 check: deps-check ## every test
@@ -74,8 +91,8 @@ deps: ## installs what the build needs (as root; else names the apt line)
 	$(Q)CC="$(CC)" .ci/deps.sh install build
 deps-check: ## the same for the tests
 	$(Q)CC="$(CC)" .ci/deps.sh install build check
-deps-bench: ## the same for the benchmarks
-	$(Q)CC="$(CC)" .ci/deps.sh install build
+deps-bench: ## the same for the benchmarks: the peer libraries
+	$(Q)CC="$(CC)" .ci/deps.sh install build bench
 help: ## this list
 	@awk 'BEGIN {FS = ":.*##"} /^##@/ {printf "\n%s\n", substr($$0, 5)} \
 	    /^[a-z-]+:.*##/ {printf "  make %-12s %s\n", $$1, $$2}' Makefile
@@ -89,6 +106,11 @@ $(BUILD)/.named-deps: .ci/deps.sh
 
 # The library is plain C11: no OpenMP, and position independent for the shared one.
 $(LIB_OBJECTS): PM_EXTRA = -fPIC -fvisibility=hidden
+ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
+$(BUILD)/obj/src/search/wide_v2.o $(BUILD)/obj/src/search/grid_v2.o: PM_EXTRA += -O3 -msse4.2 -mpopcnt
+$(BUILD)/obj/src/search/wide_avx2.o $(BUILD)/obj/src/search/grid_avx2.o: PM_EXTRA += -O3 -mavx2 -mbmi -mbmi2 -mpopcnt
+$(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_EXTRA += -O3 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
+endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
 $(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))"'
 
@@ -96,6 +118,19 @@ $(BUILD)/obj/%.o: %.c | $(BUILD)/.named-deps
 	$(call say,CC,$<)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) -MMD -MP -c $< -o $@
+
+$(BUILD)/obj/bench/peers/list.o: PM_EXTRA += $(PEER_DEFINES)
+$(BUILD)/obj/bench/peers/list.o: $(BUILD)/obj/bench/peers/.found
+
+# Changes when the peers do, so that they come in as they are installed.
+$(BUILD)/obj/bench/peers/.found: .FORCE
+	$(Q)mkdir -p $(@D)
+	$(Q)echo '$(PEERS)' | cmp -s - $@ || echo '$(PEERS)' > $@
+
+$(BUILD)/obj/bench/peers/%.o: bench/peers/%.cc $(BUILD)/obj/bench/peers/.found
+	$(call say,CXX,$<)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CXX) $(PEER_CXXFLAGS) -MMD -MP -c $< -o $@
 
 $(BUILD)/libphotonmap.a: $(LIB_OBJECTS)
 	$(call say,AR,$@)
@@ -115,14 +150,14 @@ $(BUILD)/program.a: $(PROGRAM_OBJECTS)
 
 $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ -ljansson -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -ljansson -lm -o $@
 
 # Tests see the program's parts as well as the library's, so they link the static archives.
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' -MMD -MP -MF $@.d $(LDFLAGS) $< \
-	    $(BUILD)/program.a $(BUILD)/libphotonmap.a `pkg-config --libs check gsl mpfr jansson` -lm -o $@
+	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 tests: $(TESTS) ## builds the tests
 run-tests: tests lib program
@@ -132,5 +167,5 @@ run-tests: tests lib program
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
 .PHONY: all lib program install uninstall clean demo bench check check-san check-full deps deps-check deps-bench \
-    help tests run-tests
+    help tests run-tests .FORCE
 .DELETE_ON_ERROR:

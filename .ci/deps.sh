@@ -1,5 +1,5 @@
 #!/bin/sh
-# deps.sh install|name SET...   what the SETs (build, check) need from Debian's packages.
+# deps.sh install|name SET...   what the SETs (build, check, bench) need from Debian's packages.
 # install: installs what is missing when run as root; else names the one apt line and fails.
 # name: installs nothing; names the line and fails if something is missing.
 # Nothing is done, and nothing printed, when nothing is missing.
@@ -10,6 +10,7 @@ shift
 wanted="libc6-dev pkg-config libjansson-dev librandom123-dev"
 for set in "$@"; do
     [ "$set" != check ] || wanted="$wanted check libgsl-dev libmpfr-dev"
+    [ "$set" != bench ] || wanted="$wanted g++ libnanoflann-dev libflann-dev liblz4-dev libann-dev libcgal-dev libembree-dev libtbb-dev"
 done
 command -v "${CC:-cc}" >/dev/null 2>&1 || wanted="gcc $wanted"
 

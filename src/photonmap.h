@@ -106,22 +106,47 @@ typedef enum pm_split {
     PM_SPLIT_VARIANCE    /* the axis of the largest variance */
 } pm_split;
 
+typedef struct pm_search pm_search; /* one search algorithm, see below */
+
+/* Width of the SIMD code. The widths find the same photons, to the last tie. */
+typedef enum pm_simd {
+    PM_SIMD_AUTO = 0, /* the environment variable PHOTONBENCH_SIMD (v2, avx2, avx512) if set, else the widest */
+    PM_SIMD_PLAIN,    /* C without SIMD: what processors other than x86-64 get */
+    PM_SIMD_V2,       /* x86-64-v2: SSE4.2 */
+    PM_SIMD_AVX2,
+    PM_SIMD_AVX512
+} pm_simd;
+
 typedef struct pm_map_options {
-    pm_split split;
+    pm_split split;              /* of the kd-tree */
     const pm_parallel *parallel; /* NULL: serial */
+    const pm_search *search;     /* the search that the map is built for; NULL: the fastest, `wide` */
+    pm_simd simd;                /* EINVAL where the processor lacks it */
 } pm_map_options;
 
 #define PM_MAX_PHOTONS ((size_t)0x3fffffff)
 
-/* Builds a left-balanced kd-tree ([C02] 2.2, Fig. 2.7 with errata 18 and 19: split by rank, ties kept).
+/* Builds the structure that the search of the options walks: by default 16-ary boxes over blocks of 16 photons; for the
+ * classic searches a left-balanced kd-tree ([C02] 2.2, Fig. 2.7 with errata 18 and 19: split by rank, ties kept).
  * photons: borrowed for the call only. count from 0 to PM_MAX_PHOTONS. options: NULL for the defaults.
  * Errors: ENONFINITE for a position, direction or power that is NaN or infinite (error names its
  * index), EINVAL, ENOMEM. On error *map is NULL. Destroy with pm_map_destroy.
  * Positions are kept relative to a centre and scaled by a power of two, both chosen so that no position
- * is rounded. Cost: O(N log N), 40 bytes a photon held, 16 more while building. */
+ * is rounded (but for coordinates below 2^-126 of the extent). Cost: O(N log N); memory: 40 bytes a photon and what
+ * pm_map_bytes says, 16 more while building. */
 PM_API pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_options *options,
                                pm_map **map, pm_error *error);
 PM_API void pm_map_destroy(pm_map *map); /* NULL is allowed */
+
+/* Makes a map fit for a further search by adding the structure that it walks; nothing where it has it. No other thread may
+ * use the map meanwhile. EINVAL for `wide`, which can only be created; ENOMEM. */
+PM_API pm_status pm_map_prepare(pm_map *map, const pm_search *search, const pm_parallel *parallel, pm_error *error);
+
+/* Bytes held by the structures of a map and the photons' indices; directions and powers are not counted. */
+PM_API size_t pm_map_bytes(const pm_map *map);
+
+/* The name of the SIMD width that a map uses: "plain", "v2", "avx2", "avx512". */
+PM_API const char *pm_map_simd(const pm_map *map);
 
 PM_API size_t pm_map_count(const pm_map *map);
 
@@ -139,8 +164,6 @@ PM_API double pm_map_max_power(const pm_map *map);
 PM_API pm_status pm_map_check(const pm_map *map, pm_error *error);
 
 /* ---- Search ----------------------------------------------------------------------------------- */
-
-typedef struct pm_search pm_search; /* one algorithm */
 
 /* By name, as `photonbench list searches` shows them; NULL if there is none of that name. */
 PM_API const pm_search *pm_search_find(const char *name);
@@ -161,10 +184,10 @@ typedef struct pm_query {
     float shape_parameter;
     bool front_only;        /* only photons with direction . normal < 0: [C02] 2.1.3 */
     bool sorted;            /* neighbours in ascending order (distance, then the caller's index) */
-    const pm_search *search; /* NULL: the library's fastest */
+    const pm_search *search; /* NULL: the one that the map was created for */
 } pm_query;
 
-/* k = 50, no limit, sphere, no filter, sorted, the fastest search, at the origin, normal +z. */
+/* k = 50, no limit, sphere, no filter, sorted, the map's search, at the origin, normal +z. */
 PM_API void pm_query_init(pm_query *query);
 
 typedef struct pm_neighbor {
@@ -173,12 +196,23 @@ typedef struct pm_neighbor {
 } pm_neighbor;
 
 /* Finds the k nearest photons that the query accepts, exactly; equal distances go to the lower caller's
- * index. Each search algorithm finds the same set. neighbors: the caller's buffer of `capacity` entries;
+ * index. Each search algorithm finds the same set; EINVAL where the map was not made for the query's. neighbors: the caller's buffer of `capacity` entries;
  * with k > 0 capacity must be >= min(k, pm_map_count). *count: how many were found. With k = 0 and more
  * in the sphere than fit: ETRUNCATED, *count says how many there are, the buffer's content is undefined.
  * Errors: EINVAL (also NaN in the query). Cost: [C02] 2.3.4, about log N + k steps. */
 PM_API pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *neighbors,
                                size_t capacity, size_t *count);
+
+/* Many queries at once, [i * stride] on neighbours of query i: faster than one by one where the search has a form for it
+ * (wide: sixteen at a time). As pm_map_search otherwise; with k = 0 a query that finds more than stride is ETRUNCATED,
+ * counts[] says how many. The first status that is not OK is returned; counts of queries from it on are 0. */
+PM_API pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries, size_t query_count,
+                                     pm_neighbor *neighbors, size_t stride, size_t *counts);
+
+/* All photons within max_radius, any number of them, handed over in blocks of up to 1024 in no particular order; k is
+ * not looked at. deliver returns false to stop. */
+typedef bool (*pm_deliver)(void *context, const pm_neighbor *neighbors, size_t count);
+PM_API pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm_deliver deliver, void *context);
 
 /* Automatic maximum radius, m: beyond it n photons cannot reach the radiance `threshold`
  * (W/(m2 sr) per band). max_power: of any photon, W. Surfaces: [C02] 5.2.3; volumes: 5.2.4, sigma: the
@@ -242,7 +276,7 @@ typedef struct pm_precomputed_options {
     int dimensions;             /* 2 or 3 */
 } pm_precomputed_options;
 
-/* Estimates for the photons that carry one: the first `fraction` of the tree ([C02] 5.4.1), computed now
+/* Estimates for the photons that carry one: a `fraction` of them, spread evenly ([C02] 5.4.1), computed now
  * (`when=eager`) or when first asked for (`when=demand`, safe from several threads, every thread gets the
  * same value). estimator: of type `precomputed`. The map must outlive it. */
 PM_API pm_status pm_precomputed_create(const pm_estimator *estimator, const pm_map *map,

@@ -9,7 +9,7 @@ fail() {
 }
 
 # A folder may include what stands before it here, and itself.
-layers="src/base src/map src/search estimators src/lookup src/stats cases src/accuracy src/cli tests"
+layers="src/base src/map src/search estimators src/lookup src/stats cases src/accuracy bench src/cli tests"
 rank() {
     n=0
     for layer in $layers; do

@@ -63,6 +63,13 @@ static size_t map_of(const pm__job *job, const pm__deal *deal, uint32_t trial, s
     return (size_t)(u * (double)deal->maps);
 }
 
+/* A map for the search that the bench uses, built on this thread. */
+static pm_status make_map(const pm__job *job, const pm_photon *photons, size_t count, pm_map **map)
+{
+    const pm_map_options options = {.search = pm_search_find(job->config->search)};
+    return pm_map_create(photons, count, &options, map, NULL);
+}
+
 static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t m, pm_map **map)
 {
     const size_t share = pm__share(job->photons, deal->maps, m);
@@ -71,7 +78,7 @@ static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t
         return PM_ENOMEM;
     const size_t drawn =
         pm__draw_photons(job, trial, (uint32_t)m + 1, (uint32_t)deal->maps, share, part, NULL);
-    const pm_status status = pm_map_create(part, drawn, NULL, map, NULL);
+    const pm_status status = make_map(job, part, drawn, map);
     free(part);
     return status;
 }
@@ -83,7 +90,7 @@ static pm_status dealt_map(const pm__job *job, const pm__deal *deal, uint32_t tr
     for (size_t i = 0; i < job->photons; i++)
         if (map_of(job, deal, trial, i) == m)
             part[count++] = photons[i];
-    return pm_map_create(part, count, NULL, map, NULL);
+    return make_map(job, part, count, map);
 }
 
 static pm_status deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
@@ -101,7 +108,7 @@ static pm_status deal_maps(const pm__job *job, const pm__deal *deal, uint32_t tr
 static pm_status build_maps(const pm__job *job, uint32_t trial, const pm_photon *photons, const float (*normals)[3],
                             pm__trial_maps *maps)
 {
-    pm_status status = pm_map_create(photons, job->photons, NULL, &maps->map, NULL);
+    pm_status status = make_map(job, photons, job->photons, &maps->map);
     for (size_t d = 0; d < job->deal_count && status == PM_OK; d++)
         status = deal_maps(job, &job->deals[d], trial, photons, maps->dealt[d]);
     for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++)

@@ -126,7 +126,8 @@ static pm_status time_setup(const pm__job *job, setup_times *times)
     times->draw = now() - start;
     start = now();
     pm_map *map = NULL;
-    pm_status status = pm_map_create(photons, job->photons, NULL, &map, NULL);
+    const pm_map_options options = {.search = pm_search_find(job->config->search)};
+    pm_status status = pm_map_create(photons, job->photons, &options, &map, NULL);
     times->build = now() - start;
     for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++) {
         pm__carriers carriers;
@@ -155,7 +156,8 @@ static void time_deals(const pm__job *job, const pm__trial_maps *maps, setup_tim
             for (size_t i = 0; i < count; i++)
                 photons[pm_map_source(dealt, (uint32_t)i)] = pm_map_photon(dealt, (uint32_t)i);
             const double start = now();
-            (void)pm_map_create(photons, count, NULL, &again, NULL);
+            const pm_map_options options = {.search = pm_search_find(job->config->search)};
+            (void)pm_map_create(photons, count, &options, &again, NULL);
             times->deal[d] += now() - start;
             pm_map_destroy(again);
             free(photons);

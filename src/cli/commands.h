@@ -29,7 +29,9 @@ typedef struct pm__command {
 /* Every command, one row each, in the order in which help shows them. */
 #define PM__COMMAND_LIST(X) \
     X(accuracy)             \
+    X(search)               \
     X(estimate)             \
+    X(compare)              \
     X(list)                 \
     X(help)
 

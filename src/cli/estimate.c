@@ -73,7 +73,7 @@ static size_t deal(const pm__estimate *e, size_t map, pm_photon *hand)
 
 static pm_status build_maps(pm__estimate *e, pm_error *error)
 {
-    const pm_map_options options = {PM_SPLIT_EXTENT, e->parallel};
+    const pm_map_options options = {.parallel = e->parallel, .search = e->lookup.search};
     if (e->map_count == 1)
         return pm_map_create(e->photons, e->photon_count, &options, &e->maps[0], error);
     pm_photon *const hand = pm__alloc(e->photon_count, sizeof *hand);

@@ -1,5 +1,5 @@
 /* One row for each option, and how its value is read. */
-#include "options.h"
+#include "option_values.h"
 
 #include "../../estimators/estimator.h"
 #include "../search/search.h"
@@ -9,90 +9,20 @@
 
 enum { MAX_TRIALS = 10000000, MAX_PROBES = 10000000, MAX_THREADS = 4096 };
 
-static pm_status parse_count(const char *text, size_t min, size_t max, size_t *value, pm_error *error)
-{
-    double number;
-    if (pm__parse_double(text, &number) || number != floor(number) || number < (double)min || number > (double)max)
-        return pm__fail(error, PM_EINVAL, "'%.60s' is not an integer from %zu to %zu", text, min, max);
-    *value = (size_t)number;
-    return PM_OK;
-}
-
-static bool holds_count(const pm__counts *list, size_t value)
-{
-    for (size_t i = 0; i < list->count; i++)
-        if (list->items[i] == value)
-            return true;
-    return false;
-}
-
-/* A comma list, appended; what is there already is not repeated. */
-static pm_status parse_counts(const char *text, size_t min, size_t max, pm__counts *list, pm_error *error)
-{
-    char piece[64];
-    for (;; text++) {
-        const size_t length = strcspn(text, ",");
-        size_t value;
-        (void)snprintf(piece, sizeof piece, "%.*s", (int)(length < 63 ? length : 63), text);
-        const pm_status status = parse_count(piece, min, max, &value, error);
-        if (status)
-            return status;
-        if (!holds_count(list, value)) {
-            size_t *const grown = realloc(list->items, (list->count + 1) * sizeof *grown);
-            if (!grown)
-                return pm__fail(error, PM_ENOMEM, "out of memory");
-            list->items = grown;
-            list->items[list->count++] = value;
-        }
-        text += length;
-        if (!*text)
-            return PM_OK;
-    }
-}
-
-static pm_status parse_positive(const char *text, double *value, pm_error *error)
-{
-    double number;
-    if (pm__parse_double(text, &number) || !(number > 0.0) || !(number <= 1e30))
-        return pm__fail(error, PM_EINVAL, "'%.60s' is not a number above 0 (to 1e30)", text);
-    *value = number;
-    return PM_OK;
-}
-
-static bool same_spec(const pm__spec *a, const pm__spec *b)
-{
-    return a->entry == b->entry && memcmp(a->values, b->values, sizeof a->values) == 0;
-}
-
-static pm_status parse_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error)
-{
-    size_t kept = list->count;
-    const pm_status status = pm__spec_parse_list(catalogue, text, &list->items, &list->count, error);
-    for (size_t i = kept; i < list->count; i++) {
-        size_t j = 0;
-        while (j < kept && !same_spec(&list->items[j], &list->items[i]))
-            j++;
-        if (j == kept)
-            list->items[kept++] = list->items[i];
-    }
-    list->count = kept;
-    return status;
-}
-
 static pm_status set_case(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_specs(&pm__cases, text, &s->cases, error);
+    return pm__parse_specs(&pm__cases, text, &s->cases, error);
 }
 
 static pm_status set_estimator(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_specs(&pm__estimators, text, &s->estimators, error);
+    return pm__parse_specs(&pm__estimators, text, &s->estimators, error);
 }
 
 static pm_status set_one_estimator(pm__settings *s, const char *text, pm_error *error)
 {
     s->estimators.count = 0;
-    const pm_status status = parse_specs(&pm__estimators, text, &s->estimators, error);
+    const pm_status status = pm__parse_specs(&pm__estimators, text, &s->estimators, error);
     if (status == PM_OK && s->estimators.count != 1)
         return pm__fail(error, PM_EINVAL, "one estimator at a time, not '%.80s'", text);
     return status;
@@ -100,7 +30,7 @@ static pm_status set_one_estimator(pm__settings *s, const char *text, pm_error *
 
 static pm_status set_sampler(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_specs(&pm__samplers, text, &s->samplers, error);
+    return pm__parse_specs(&pm__samplers, text, &s->samplers, error);
 }
 
 static pm_status set_search(pm__settings *s, const char *text, pm_error *error)
@@ -114,14 +44,14 @@ static pm_status set_search(pm__settings *s, const char *text, pm_error *error)
 
 static pm_status set_k(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_counts(text, 1, PM_MAX_PHOTONS, &s->ks, error);
+    return pm__parse_counts(text, 1, PM_MAX_PHOTONS, &s->ks, error);
 }
 
 static pm_status set_one_k(pm__settings *s, const char *text, pm_error *error)
 {
     s->ks.count = 0;
     size_t value;
-    const pm_status status = parse_count(text, 1, PM_MAX_PHOTONS, &value, error);
+    const pm_status status = pm__parse_count(text, 1, PM_MAX_PHOTONS, &value, error);
     return status ? status : set_k(s, text, error);
 }
 
@@ -129,81 +59,45 @@ static pm_status set_radius(pm__settings *s, const char *text, pm_error *error)
 {
     double threshold = 0.05;
     if (strncmp(text, "auto", 4) == 0 && (!text[4] || text[4] == ':')) {
-        const pm_status status = text[4] ? parse_positive(text + 5, &threshold, error) : PM_OK;
+        const pm_status status = text[4] ? pm__parse_positive(text + 5, &threshold, error) : PM_OK;
         s->auto_threshold = threshold;
         s->radius = 0.0;
         return status;
     }
     s->auto_threshold = 0.0;
-    return parse_positive(text, &s->radius, error) == PM_OK
+    return pm__parse_positive(text, &s->radius, error) == PM_OK
                ? PM_OK
                : pm__fail(error, PM_EINVAL, "'%.60s' is neither a radius above 0 (m) nor auto[:L]", text);
 }
 
 static pm_status set_photons(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_counts(text, 1, PM_MAX_PHOTONS, &s->photons, error);
-}
-
-static pm_status set_path(const char *text, const char **path, pm_error *error)
-{
-    if (!*text)
-        return pm__fail(error, PM_EINVAL, "an empty file name");
-    *path = text;
-    return PM_OK;
+    return pm__parse_counts(text, 1, PM_MAX_PHOTONS, &s->photons, error);
 }
 
 static pm_status set_photon_file(pm__settings *s, const char *text, pm_error *error)
 {
-    return set_path(text, &s->photon_file, error);
+    return pm__parse_path(text, &s->photon_file, error);
 }
 
 static pm_status set_query_file(pm__settings *s, const char *text, pm_error *error)
 {
-    return set_path(text, &s->query_file, error);
+    return pm__parse_path(text, &s->query_file, error);
 }
 
 static pm_status set_trials(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_count(text, 2, MAX_TRIALS, &s->trials, error);
+    return pm__parse_count(text, 2, MAX_TRIALS, &s->trials, error);
 }
 
 static pm_status set_probes(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_count(text, 1, MAX_PROBES, &s->probes, error);
+    return pm__parse_count(text, 1, MAX_PROBES, &s->probes, error);
 }
 
 static pm_status set_lookup(pm__settings *s, const char *text, pm_error *error)
 {
-    const char *const colon = strchr(text, ':');
-    const size_t length = colon ? (size_t)(colon - text) : strlen(text);
-    double parameter = 0.0;
-    if (strcmp(text, "sphere") == 0) {
-        s->lookup.shape = PM_LOOKUP_SPHERE;
-    } else if (colon && length == 9 && strncmp(text, "ellipsoid", 9) == 0) {
-        if (pm__parse_double(colon + 1, &parameter) || !(parameter >= 1.0 && parameter <= 1e9))
-            return pm__fail(error, PM_EINVAL, "'%.60s': expected ellipsoid:S with S from 1 to 1e9", text);
-        s->lookup.shape = PM_LOOKUP_ELLIPSOID;
-    } else if (colon && length == 4 && strncmp(text, "disc", 4) == 0) {
-        if (parse_positive(colon + 1, &parameter, NULL))
-            return pm__fail(error, PM_EINVAL, "'%.60s': expected disc:H with a half height H above 0 (m)", text);
-        s->lookup.shape = PM_LOOKUP_DISC;
-    } else {
-        return pm__fail(error, PM_EINVAL, "'%.60s': expected sphere, ellipsoid:S or disc:H", text);
-    }
-    s->lookup.parameter = parameter;
-    return PM_OK;
-}
-
-void pm__lookup_format(const pm__shape *shape, char text[48])
-{
-    char number[32];
-    pm__format_double(shape->parameter, number);
-    (void)snprintf(text, 48, "%s%s",
-                   shape->shape == PM_LOOKUP_SPHERE      ? "sphere"
-                   : shape->shape == PM_LOOKUP_ELLIPSOID ? "ellipsoid:"
-                                                         : "disc:",
-                   shape->shape == PM_LOOKUP_SPHERE ? "" : number);
+    return pm__parse_lookup(text, &s->lookup, error);
 }
 
 /* One of two words. */
@@ -237,27 +131,27 @@ static pm_status set_seed(pm__settings *s, const char *text, pm_error *error)
 
 static pm_status set_threads(pm__settings *s, const char *text, pm_error *error)
 {
-    return parse_count(text, 1, MAX_THREADS, &s->threads, error);
+    return pm__parse_count(text, 1, MAX_THREADS, &s->threads, error);
 }
 
 static pm_status set_json(pm__settings *s, const char *text, pm_error *error)
 {
-    return set_path(text, &s->json, error);
+    return pm__parse_path(text, &s->json, error);
 }
 
 static pm_status set_csv(pm__settings *s, const char *text, pm_error *error)
 {
-    return set_path(text, &s->csv, error);
+    return pm__parse_path(text, &s->csv, error);
 }
 
 static pm_status set_markdown(pm__settings *s, const char *text, pm_error *error)
 {
-    return set_path(text, &s->markdown, error);
+    return pm__parse_path(text, &s->markdown, error);
 }
 
 static pm_status set_output(pm__settings *s, const char *text, pm_error *error)
 {
-    return set_path(text, &s->output, error);
+    return pm__parse_path(text, &s->output, error);
 }
 
 static pm_status set_quiet(pm__settings *s, const char *text, pm_error *error)

@@ -20,6 +20,7 @@ void pm__settings_free(pm__settings *settings)
     free(settings->estimators.items);
     free(settings->samplers.items);
     free(settings->ks.items);
+    free(settings->searches.items);
     free(settings->photons.items);
 }
 

@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 8 };
+enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 8, PM__MAX_SHAPES = 8 };
 
 /* A list of specs or numbers, as options append to it. */
 typedef struct pm__specs {
@@ -34,6 +34,13 @@ typedef struct pm__settings {
     const char *search;
     pm__shape lookup;      /* sphere, front only, unless given */
     const char *photon_file, *query_file;
+    pm__counts searches;   /* of `search`: numbers of contenders */
+    pm__shape shapes[PM__MAX_SHAPES]; /* of `search`: several lookups */
+    size_t shape_count;
+    bool front_on, front_off;         /* of `search`: either or both */
+    bool order_random, order_coherent;
+    size_t radius_hits, samples;
+    double seconds;
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;
 } pm__settings;

@@ -6,26 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int by_value(const void *a, const void *b)
-{
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* order: scratch of `count`: the caller's index above, the number in the map below. */
+/* The chosen are every so many in the caller's order: a choice that no search's order of the map can change.
+ * number_of: scratch of the whole map's count. */
 static pm_status fill(pm__carriers *c, const pm_map *map, const float (*normals)[3], const pm_parallel *parallel,
-                      uint64_t *order, pm_photon *photons)
+                      uint32_t *number_of, pm_photon *photons)
 {
-    for (size_t i = 0; i < c->count; i++)
-        order[i] = (uint64_t)pm_map_source(map, (uint32_t)i) << 32 | i;
-    qsort(order, c->count, sizeof *order, by_value);
+    const size_t all = pm_map_count(map);
+    for (size_t number = 0; number < all; number++)
+        number_of[pm_map_source(map, (uint32_t)number)] = (uint32_t)number;
     for (size_t i = 0; i < c->count; i++) {
-        c->number[i] = (uint32_t)order[i];
+        const size_t source = i * all / c->count;
+        c->number[i] = number_of[source];
         photons[i] = pm_map_photon(map, c->number[i]);
         if (c->normals)
-            memcpy(c->normals[i], normals[order[i] >> 32], sizeof c->normals[i]);
+            memcpy(c->normals[i], normals[source], sizeof c->normals[i]);
     }
-    const pm_map_options options = {PM_SPLIT_EXTENT, parallel};
+    const pm_map_options options = {.parallel = parallel, .search = map->search};
     return pm_map_create(photons, c->count, &options, &c->map, NULL);
 }
 
@@ -34,15 +30,15 @@ pm_status pm__carriers_create(pm__carriers *carriers, const pm_map *map, double 
 {
     const size_t all = pm_map_count(map), some = (size_t)ceil(fraction * (double)all);
     *carriers = (pm__carriers){.count = some < all ? some : all};
-    uint64_t *const order = pm__alloc(carriers->count, sizeof *order);
+    uint32_t *const number_of = pm__alloc(all, sizeof *number_of);
     pm_photon *const photons = pm__alloc(carriers->count, sizeof *photons);
     carriers->number = pm__alloc(carriers->count, sizeof *carriers->number);
     if (normals)
         carriers->normals = pm__alloc(carriers->count, sizeof *carriers->normals);
     pm_status status = PM_ENOMEM;
-    if (order && photons && carriers->number && (!normals || carriers->normals))
-        status = fill(carriers, map, normals, parallel, order, photons);
-    free(order);
+    if (number_of && photons && carriers->number && (!normals || carriers->normals))
+        status = fill(carriers, map, normals, parallel, number_of, photons);
+    free(number_of);
     free(photons);
     if (status != PM_OK)
         pm__carriers_destroy(carriers);

@@ -7,11 +7,14 @@
 static pm_status find_neighbors(const pm_map *map, const pm_query *query, const pm__query *prepared,
                                 pm_workspace *workspace, size_t *found)
 {
+    const pm_search *const search = pm__search_of(map, query);
     size_t room = prepared->k ? prepared->k : 64;
+    if (!search)
+        return PM_EINVAL;
     for (;;) {
         if (pm__workspace_reserve_neighbors(workspace, room) != PM_OK)
             return PM_ENOMEM;
-        *found = pm__run_search(map, query->search, prepared, workspace->neighbors, workspace->neighbor_capacity);
+        *found = pm__run_search(map, search, prepared, workspace->neighbors, workspace->neighbor_capacity);
         if (*found <= workspace->neighbor_capacity)
             return PM_OK;
         room = *found;
@@ -39,10 +42,12 @@ static void read_photons(const pm_map *map, const pm__query *prepared, const pm_
             flux[c] = map->power[neighbor.number][c];
         if (brdf)
             apply_brdf(map, gathering->source, neighbor.number, flux);
-        if (gathering->offsets)
+        if (gathering->offsets) {
+            float position[3];
+            pm__position(map, neighbor.number, position);
             for (int a = 0; a < 3; a++)
-                workspace->offset[first + i][a] =
-                    (map->nodes[neighbor.number + 1].position[a] - prepared->position[a]) * scale;
+                workspace->offset[first + i][a] = (position[a] - prepared->position[a]) * scale;
+        }
     }
 }
 

@@ -9,6 +9,9 @@
  * a zero normal where one is needed. */
 pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error);
 
+/* The search that a query is for: NULL where the map has no structure for it, or it cannot do what is asked. */
+const pm_search *pm__search_of(const pm_map *map, const pm_query *query);
+
 /* Runs a prepared query into a buffer of `capacity`; unsorted. Returns how many were found (above capacity only with
  * k = 0; then the buffer is of no use). */
 size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__query *query, pm_neighbor *neighbors,

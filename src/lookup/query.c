@@ -84,12 +84,18 @@ pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query 
     return prepare_shape(map, query, prepared, error);
 }
 
+const pm_search *pm__search_of(const pm_map *map, const pm_query *query)
+{
+    const pm_search *const search = query->search ? query->search : map->search;
+    if (search->structure != PM__NO_STRUCTURE && !map->index[search->structure])
+        return NULL;
+    return search->radius_only && query->k ? NULL : search;
+}
+
 size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__query *query, pm_neighbor *neighbors,
                       size_t capacity)
 {
-    pm__result result = {neighbors, 0, capacity, query->max_distance2, map->nodes};
-    if (!search)
-        search = (const pm_search *)(const void *)pm__searches.entries[0];
+    pm__result result = {.list = neighbors, .capacity = capacity, .bound = query->max_distance2, .ids = map->ids};
     search->find(map, query, &result);
     return result.count;
 }
@@ -101,16 +107,89 @@ pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *n
         return PM_EINVAL;
     *count = 0;
     pm__query prepared;
+    const pm_search *const search = pm__search_of(map, query);
     const pm_status status = pm__query_prepare(map, query, &prepared, NULL);
-    if (status != PM_OK)
-        return status;
+    if (status != PM_OK || !search)
+        return search ? status : PM_EINVAL;
     if (prepared.k && map->count && capacity < prepared.k)
         return PM_EINVAL;
-    *count = pm__run_search(map, query->search, &prepared, neighbors, capacity);
+    *count = pm__run_search(map, search, &prepared, neighbors, capacity);
     if (*count > capacity)
         return PM_ETRUNCATED;
     if (query->sorted)
         pm__sort_neighbors(map, neighbors, *count);
+    return PM_OK;
+}
+
+enum { BATCH = 32 };
+
+/* Up to BATCH queries from the first on that the same search answers; how many are done, fewer where one failed. */
+static size_t search_some(const pm_map *map, const pm_query *queries, size_t count, pm_neighbor *neighbors, size_t stride,
+                          size_t *counts, pm_status *status)
+{
+    pm__query prepared[BATCH];
+    pm__result results[BATCH];
+    const pm_search *const search = pm__search_of(map, &queries[0]);
+    const size_t most = search && search->batch > 1 ? search->batch : 1;
+    size_t n = 0;
+    *status = search ? PM_OK : PM_EINVAL;
+    for (; n < count && n < most && *status == PM_OK && pm__search_of(map, &queries[n]) == search; n++) {
+        *status = pm__query_prepare(map, &queries[n], &prepared[n], NULL);
+        if (*status == PM_OK && prepared[n].k && map->count && stride < prepared[n].k)
+            *status = PM_EINVAL;
+        if (*status != PM_OK)
+            break;
+        results[n] = (pm__result){.list = neighbors + n * stride, .capacity = stride,
+                                  .bound = prepared[n].max_distance2, .ids = map->ids};
+    }
+    if (n == 1 || !search || !search->find_batch)
+        for (size_t i = 0; i < n; i++)
+            search->find(map, &prepared[i], &results[i]);
+    else
+        search->find_batch(map, prepared, results, n);
+    for (size_t i = 0; i < n; i++) {
+        counts[i] = results[i].count;
+        if (counts[i] > stride) {
+            *status = PM_ETRUNCATED;
+            return i + 1;
+        }
+        if (queries[i].sorted)
+            pm__sort_neighbors(map, results[i].list, counts[i]);
+    }
+    return n;
+}
+
+pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries, size_t query_count, pm_neighbor *neighbors,
+                              size_t stride, size_t *counts)
+{
+    if (!map || (query_count && (!queries || !counts || (stride && !neighbors))))
+        return PM_EINVAL;
+    for (size_t i = 0; i < query_count; i++)
+        counts[i] = 0;
+    pm_status status = PM_OK;
+    for (size_t done = 0; done < query_count && status == PM_OK;)
+        done += search_some(map, queries + done, query_count - done, neighbors + done * stride, stride, counts + done,
+                            &status);
+    return status;
+}
+
+pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm_deliver deliver, void *context)
+{
+    if (!map || !query || !deliver)
+        return PM_EINVAL;
+    pm_query all = *query;
+    all.k = 0;
+    pm__query prepared;
+    const pm_search *const search = pm__search_of(map, &all);
+    const pm_status status = pm__query_prepare(map, &all, &prepared, NULL);
+    if (status != PM_OK || !search)
+        return search ? status : PM_EINVAL;
+    pm_neighbor block[1024];
+    pm__result result = {.list = block, .capacity = sizeof block / sizeof *block, .bound = prepared.max_distance2,
+                         .ids = map->ids, .deliver = deliver, .context = context};
+    search->find(map, &prepared, &result);
+    if (result.count && !result.stopped)
+        (void)deliver(context, block, result.count);
     return PM_OK;
 }
 

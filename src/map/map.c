@@ -1,11 +1,45 @@
 /* Creation and reading of maps. */
 #include "map.h"
+#include "structure.h"
 
 #include "../base/memory.h"
-#include "../base/status.h"
+#include "../base/parallel.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+const pm__structure *pm__structure_of(pm__structure_id id)
+{
+    switch (id) {
+    case PM__KD_TREE:
+        return &pm__structure_tree;
+    case PM__WIDE:
+        return &pm__structure_wide;
+    case PM__GRID:
+        return &pm__structure_grid;
+    case PM__GROWN:
+        return &pm__structure_grown;
+    case PM__NO_STRUCTURE:
+    case PM__STRUCTURES:
+        break;
+    }
+    return NULL;
+}
+
+/* All exponents are ones in no value but NaN and infinity: a loop without branches for the many maps that are sound. */
+static bool all_finite(const pm_photon *photons, size_t count)
+{
+    enum { VALUES = sizeof(pm_photon) / sizeof(float) };
+    unsigned bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits[VALUES];
+        memcpy(bits, &photons[i], sizeof bits);
+        for (int v = 0; v < VALUES; v++)
+            bad |= (bits[v] & 0x7f800000U) == 0x7f800000U;
+    }
+    return !bad;
+}
 
 static pm_status check_photons(const pm_photon *photons, size_t count, pm_error *error)
 {
@@ -14,6 +48,8 @@ static pm_status check_photons(const pm_photon *photons, size_t count, pm_error 
         return pm__fail(error, PM_EINVAL, "%zu photons: a map holds at most %zu", count, PM_MAX_PHOTONS);
     if (count && !photons)
         return pm__fail(error, PM_EINVAL, "no photons given");
+    if (all_finite(photons, count))
+        return PM_OK;
     for (size_t i = 0; i < count; i++) {
         const float *const values[] = {photons[i].position, photons[i].direction, photons[i].power};
         for (int part = 0; part < 3; part++)
@@ -21,7 +57,7 @@ static pm_status check_photons(const pm_photon *photons, size_t count, pm_error 
                 if (!isfinite(values[part][a]))
                     return pm__fail(error, PM_ENONFINITE, "photon %zu: its %s is not finite", i, parts[part]);
     }
-    return PM_OK;
+    return PM_EBROKEN; /* never comes here */
 }
 
 /* An offset is taken out of an axis only where every coordinate lies within a factor 2 of the centre: then the
@@ -41,8 +77,8 @@ static void choose_frame(pm_map *map, const pm_photon *photons)
         double low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < map->count; i++) {
             const double x = (double)photons[i].position[a];
-            low = fmin(low, x);
-            high = fmax(high, x);
+            low = x < low ? x : low;
+            high = x > high ? x : high;
         }
         map->centre[a] = map->count ? exact_centre(low, high) : 0.0;
         if (map->count)
@@ -54,49 +90,116 @@ static void choose_frame(pm_map *map, const pm_photon *photons)
     map->inverse_unit = 1.0 / map->unit;
 }
 
-/* Direction and power in the tree's order. */
-static void order_attributes(pm_map *map, const pm_photon *photons)
+enum { AHEAD = 24, CHUNK = 1 << 15 };
+
+/* Loops over all photons, cut into chunks for the caller's threads. */
+typedef struct filling {
+    pm_map *map;
+    const pm_photon *photons;
+    pm__item *items;
+    double max_power[PM_MAX_PHOTONS / CHUNK + 1];
+} filling;
+
+static size_t chunk_end(const pm_map *map, size_t chunk)
 {
-    for (size_t i = 0; i < map->count; i++) {
-        const pm_photon *const p = &photons[pm__node_id(&map->nodes[i + 1])];
+    return (chunk + 1) * CHUNK < map->count ? (chunk + 1) * CHUNK : map->count;
+}
+
+static void items_task(void *argument, size_t chunk)
+{
+    const filling *const f = argument;
+    const pm_map *const map = f->map;
+    for (size_t i = chunk * CHUNK; i < chunk_end(map, chunk); i++) {
+        for (int a = 0; a < 3; a++)
+            f->items[i].position[a] =
+                (float)(((double)f->photons[i].position[a] - map->centre[a]) * map->inverse_unit) + 0.0f; /* -0 is 0 */
+        f->items[i].id = (uint32_t)i;
+    }
+}
+
+/* Blocks, ids, direction and power in the map's order. */
+static void photons_task(void *argument, size_t chunk)
+{
+    filling *const f = argument;
+    pm_map *const map = f->map;
+    double most = 0.0;
+    for (size_t i = chunk * CHUNK; i < chunk_end(map, chunk); i++) {
+        pm__block *const block = &map->blocks[i / PM__LANES];
+        block->x[i % PM__LANES] = f->items[i].position[0];
+        block->y[i % PM__LANES] = f->items[i].position[1];
+        block->z[i % PM__LANES] = f->items[i].position[2];
+        map->ids[i] = f->items[i].id;
+        if (i + AHEAD < map->count) /* the caller's order is any, so every photon is a cache miss */
+            __builtin_prefetch(&f->photons[f->items[i + AHEAD].id]);
+        const pm_photon *const p = &f->photons[f->items[i].id];
         for (int a = 0; a < 3; a++) {
             map->direction[i][a] = p->direction[a];
             map->power[i][a] = p->power[a];
-            map->max_power = fmax(map->max_power, (double)p->power[a]);
+            most = (double)p->power[a] > most ? (double)p->power[a] : most;
         }
     }
+    f->max_power[chunk] = most;
 }
 
-static pm_status build(pm_map *map, const pm_photon *photons, const pm_map_options *options, pm_error *error)
+static void fill_photons(filling *f, const pm_parallel *parallel)
 {
-    const pm_map_options defaults = {PM_SPLIT_EXTENT, NULL};
-    if (!options)
-        options = &defaults;
-    map->nodes = pm__alloc(map->count + 1, sizeof *map->nodes);
+    pm_map *const map = f->map;
+    const size_t chunks = (map->count + CHUNK - 1) / CHUNK;
+    pm__for(parallel, chunks, photons_task, f);
+    for (size_t i = 0; i < chunks; i++)
+        map->max_power = f->max_power[i] > map->max_power ? f->max_power[i] : map->max_power;
+    for (size_t i = map->count; i < map->block_count * PM__LANES; i++) {
+        pm__block *const block = &map->blocks[i / PM__LANES];
+        block->x[i % PM__LANES] = block->y[i % PM__LANES] = block->z[i % PM__LANES] = INFINITY;
+    }
+}
+
+static pm_status allocate(pm_map *map)
+{
+    map->block_count = (map->count + PM__LANES - 1) / PM__LANES;
+    map->blocks = pm__alloc(map->block_count, sizeof *map->blocks);
+    map->ids = pm__alloc(map->count, sizeof *map->ids);
     map->direction = pm__alloc(map->count, sizeof *map->direction);
     map->power = pm__alloc(map->count, sizeof *map->power);
-    pm__node *const work = pm__alloc(map->count, sizeof *work);
-    if (!map->nodes || !map->direction || !map->power || !work) {
-        free(work);
-        return pm__fail(error, PM_ENOMEM, "out of memory for a map of %zu photons", map->count);
-    }
-    choose_frame(map, photons);
-    for (size_t i = 0; i < map->count; i++)
-        for (int a = 0; a < 3; a++)
-            work[i].position[a] = (float)(((double)photons[i].position[a] - map->centre[a]) * map->inverse_unit);
-    map->nodes[0] = (pm__node){{0.0f, 0.0f, 0.0f}, 0};
-    pm__balance(work, map->count, options->split, options->parallel, map->nodes);
-    free(work);
-    order_attributes(map, photons);
-    return PM_OK;
+    return map->blocks && map->ids && map->direction && map->power ? PM_OK : PM_ENOMEM;
 }
 
-pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_options *options, pm_map **map,
-                        pm_error *error)
+static pm_status arrange(filling *f, const pm__structure *primary, const pm_map_options *options)
 {
-    if (!map)
-        return pm__fail(error, PM_EINVAL, "nowhere to put the map");
-    *map = NULL;
+    pm_map *const map = f->map;
+    choose_frame(map, f->photons);
+    pm__for(options->parallel, (map->count + CHUNK - 1) / CHUNK, items_task, f);
+    pm_status status = PM_OK;
+    if (primary)
+        status = primary->arrange(f->items, map->count, options, &map->index[primary->id]);
+    if (status != PM_OK)
+        return status;
+    fill_photons(f, options->parallel);
+    return primary && primary->place ? primary->place(map, map->index[primary->id], NULL) : PM_OK;
+}
+
+static pm_status build(pm_map *map, const pm_photon *photons, const pm__structure *primary,
+                       const pm_map_options *options)
+{
+    filling *const f = malloc(sizeof *f);
+    pm_status status = f ? allocate(map) : PM_ENOMEM;
+    if (f) {
+        f->map = map;
+        f->photons = photons;
+        f->items = pm__alloc(map->count, sizeof *f->items);
+        if (!f->items)
+            status = PM_ENOMEM;
+        if (status == PM_OK)
+            status = arrange(f, primary, options);
+        free(f->items);
+    }
+    free(f);
+    return status;
+}
+
+pm_status pm__map_build(const pm_photon *photons, size_t count, pm__structure_id primary, const pm_map_options *options,
+                        pm_map **map, pm_error *error)
+{
     pm_status status = check_photons(photons, count, error);
     if (status != PM_OK)
         return status;
@@ -104,12 +207,61 @@ pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_opt
     if (!created)
         return pm__fail(error, PM_ENOMEM, "out of memory for a map");
     created->count = count;
-    status = build(created, photons, options, error);
+    created->simd = options->simd;
+    created->search = options->search;
+    created->split = options->split;
+    status = build(created, photons, pm__structure_of(primary), options);
     if (status != PM_OK) {
         pm_map_destroy(created);
-        return status;
+        return pm__fail(error, status, "a map of %zu photons: %s", count, pm_status_text(status));
     }
     *map = created;
+    return PM_OK;
+}
+
+/* Items in arranged order know the caller's indices; the map knows numbers by them. */
+static pm_status place_later(pm_map *map, const pm__structure *structure, const pm__item *items, void *index)
+{
+    uint32_t *const number_of_id = pm__alloc(map->count, sizeof *number_of_id);
+    uint32_t *const numbers = pm__alloc(map->count, sizeof *numbers);
+    pm_status status = PM_ENOMEM;
+    if (number_of_id && numbers) {
+        for (size_t i = 0; i < map->count; i++)
+            number_of_id[map->ids[i]] = (uint32_t)i;
+        for (size_t i = 0; i < map->count; i++)
+            numbers[i] = number_of_id[items[i].id];
+        status = structure->place ? structure->place(map, index, numbers) : PM_OK;
+    }
+    free(number_of_id);
+    free(numbers);
+    return status;
+}
+
+pm_status pm__map_add(pm_map *map, pm__structure_id id, const pm_parallel *parallel, pm_error *error)
+{
+    const pm__structure *const structure = pm__structure_of(id);
+    if (!structure || map->index[id])
+        return PM_OK;
+    if (structure->first_only)
+        return pm__fail(error, PM_EINVAL, "this search's structure gives a map its order: create the map for it");
+    const pm_map_options options = {.split = map->split, .parallel = parallel};
+    pm__item *const items = pm__alloc(map->count, sizeof *items);
+    void *index = NULL;
+    pm_status status = items ? PM_OK : PM_ENOMEM;
+    for (size_t i = 0; i < map->count && items; i++) {
+        pm__position(map, i, items[i].position);
+        items[i].id = map->ids[i];
+    }
+    if (status == PM_OK)
+        status = structure->arrange(items, map->count, &options, &index);
+    if (status == PM_OK)
+        status = place_later(map, structure, items, index);
+    free(items);
+    if (status != PM_OK) {
+        structure->destroy(index);
+        return pm__fail(error, status, "a structure of %zu photons: %s", map->count, pm_status_text(status));
+    }
+    map->index[id] = index;
     return PM_OK;
 }
 
@@ -117,7 +269,11 @@ void pm_map_destroy(pm_map *map)
 {
     if (!map)
         return;
-    free(map->nodes);
+    for (int id = 0; id < PM__STRUCTURES; id++)
+        if (map->index[id])
+            pm__structure_of((pm__structure_id)id)->destroy(map->index[id]);
+    free(map->blocks);
+    free(map->ids);
     free(map->direction);
     free(map->power);
     free(map);
@@ -131,8 +287,10 @@ size_t pm_map_count(const pm_map *map)
 pm_photon pm_map_photon(const pm_map *map, uint32_t number)
 {
     pm_photon photon;
+    float position[3];
+    pm__position(map, number, position);
     for (int a = 0; a < 3; a++) {
-        photon.position[a] = (float)((double)map->nodes[number + 1].position[a] * map->unit + map->centre[a]);
+        photon.position[a] = (float)((double)position[a] * map->unit + map->centre[a]);
         photon.direction[a] = map->direction[number][a];
         photon.power[a] = map->power[number][a];
     }
@@ -141,7 +299,7 @@ pm_photon pm_map_photon(const pm_map *map, uint32_t number)
 
 uint32_t pm_map_source(const pm_map *map, uint32_t number)
 {
-    return pm__node_id(&map->nodes[number + 1]);
+    return map->ids[number];
 }
 
 double pm_map_unit(const pm_map *map)

@@ -3,8 +3,11 @@
 
 static void find(const pm_map *map, const pm__query *query, pm__result *result)
 {
-    for (size_t i = 1; i <= map->count; i++)
-        pm__offer_node(map, query, result, i);
+    for (size_t number = 0; number < map->count; number++) {
+        float position[3];
+        pm__position(map, number, position);
+        pm__offer(map, query, result, position, (uint32_t)number);
+    }
 }
 
 const pm_search pm__search_brute = {

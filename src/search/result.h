@@ -5,19 +5,19 @@
 #include "search.h"
 
 /* Is a farther than b? Equal distances: the higher caller's index is farther. */
-static inline bool pm__farther(const pm__node *nodes, pm_neighbor a, pm_neighbor b)
+static inline bool pm__farther(const uint32_t *ids, pm_neighbor a, pm_neighbor b)
 {
     if (a.distance2 != b.distance2)
         return a.distance2 > b.distance2;
-    return pm__node_id(&nodes[a.number + 1]) > pm__node_id(&nodes[b.number + 1]);
+    return ids[a.number] > ids[b.number];
 }
 
-/* The query's distance2 to a node, or NAN where its shape rejects it. The sums of squares are ordered so that
+/* The query's distance2 to a position, or NAN where its shape rejects it. The sums of squares are ordered so that
  * distance2 >= (difference along any axis)^2 holds after rounding: pruning by planes is exact. */
-static inline float pm__measure(const pm__query *query, const pm__node *node)
+static inline float pm__measure(const pm__query *query, const float position[3])
 {
-    const float d[3] = {node->position[0] - query->position[0], node->position[1] - query->position[1],
-                        node->position[2] - query->position[2]};
+    const float d[3] = {position[0] - query->position[0], position[1] - query->position[1],
+                        position[2] - query->position[2]};
     const float distance2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     if (query->shape == PM_LOOKUP_SPHERE)
         return distance2;
@@ -49,9 +49,9 @@ static inline void pm__sift_down(pm__result *result, size_t i, pm_neighbor item)
 {
     pm_neighbor *const heap = result->list;
     for (size_t child = 2 * i + 1; child < result->count; child = 2 * i + 1) {
-        if (child + 1 < result->count && pm__farther(result->nodes, heap[child + 1], heap[child]))
+        if (child + 1 < result->count && pm__farther(result->ids, heap[child + 1], heap[child]))
             child++;
-        if (!pm__farther(result->nodes, heap[child], item))
+        if (!pm__farther(result->ids, heap[child], item))
             break;
         heap[i] = heap[child];
         i = child;
@@ -64,6 +64,10 @@ static inline void pm__keep(const pm__query *query, pm__result *result, float di
 {
     const pm_neighbor item = {distance2, number};
     if (!query->k) {
+        if (result->count == result->capacity && result->deliver && result->count) {
+            result->stopped = result->stopped || !result->deliver(result->context, result->list, result->count);
+            result->count = 0;
+        }
         if (result->count < result->capacity)
             result->list[result->count] = item;
         result->count++;
@@ -76,19 +80,25 @@ static inline void pm__keep(const pm__query *query, pm__result *result, float di
         for (size_t i = result->count / 2; i-- > 0;) /* the heap is only made now: [C02] 2.3.4 */
             pm__sift_down(result, i, result->list[i]);
     } else {
-        if (!pm__farther(result->nodes, result->list[0], item))
+        if (!pm__farther(result->ids, result->list[0], item))
             return;
         pm__sift_down(result, 0, item);
     }
     result->bound = result->list[0].distance2;
 }
 
-/* Offers node i. Its direction is only read once its distance is good enough. */
-static inline void pm__offer_node(const pm_map *map, const pm__query *query, pm__result *result, size_t i)
+/* Offers a photon at a position. Its direction is only read once its distance is good enough. */
+static inline void pm__offer(const pm_map *map, const pm__query *query, pm__result *result, const float position[3],
+                             uint32_t number)
 {
-    const float distance2 = pm__measure(query, &map->nodes[i]);
-    if (distance2 <= result->bound && (!query->front_only || pm__in_front(map, query, i - 1)))
-        pm__keep(query, result, distance2, (uint32_t)(i - 1));
+    const float distance2 = pm__measure(query, position);
+    if (distance2 <= result->bound && (!query->front_only || pm__in_front(map, query, number)))
+        pm__keep(query, result, distance2, number);
+}
+
+static inline void pm__offer_node(const pm_map *map, const pm__query *query, pm__result *result, const pm__node *node)
+{
+    pm__offer(map, query, result, node->position, pm__node_number(node));
 }
 
 #endif

@@ -2,7 +2,7 @@
  *
  * Contract of `find`: leaves in `result` exactly the query's neighbours - those with the smallest
  * (distance2, caller's index) among the photons that pm__measure and pm__in_front accept - in any order, result->count of
- * them. All searches measure with pm__measure, so all agree to the last bit. */
+ * them. All searches measure with the same operations in the same order, so all agree to the last bit. */
 #ifndef PM_SEARCH_SEARCH_H
 #define PM_SEARCH_SEARCH_H
 
@@ -26,17 +26,25 @@ typedef struct pm__query {
 } pm__query;
 
 /* Neighbours so far. k > 0: a max-heap of at most k, `bound` the distance2 beyond which nothing is wanted.
- * k = 0: a plain list; count goes on past capacity. */
+ * k = 0: a plain list; where it is full it is delivered, or, with nobody to deliver to, count goes on past capacity. */
 typedef struct pm__result {
     pm_neighbor *list;
     size_t count, capacity;
     float bound; /* inclusive: equal distances may still win by their index */
-    const pm__node *nodes;
+    const uint32_t *ids;
+    pm_deliver deliver; /* NULL: none */
+    void *context;
+    bool stopped; /* deliver wants no more */
 } pm__result;
 
 struct pm_search {
     pm__entry entry;
+    pm__structure_id structure;
+    bool radius_only;
     void (*find)(const pm_map *map, const pm__query *query, pm__result *result);
+    /* Several at once; NULL: one by one. */
+    void (*find_batch)(const pm_map *map, const pm__query *queries, pm__result *results, size_t count);
+    size_t batch; /* how many find_batch takes */
 };
 
 extern const pm__catalogue pm__searches;

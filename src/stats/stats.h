@@ -14,6 +14,20 @@ double pm__beta_cdf(double a, double b, double x);
 /* The quantile p (0.5 < p < 1) of Student's t with dof > 0 degrees of freedom. */
 double pm__student_quantile(double p, double dof);
 
+/* P(|T| >= |t|) for Student's t with dof > 0 degrees of freedom. */
+double pm__student_p(double t, double dof);
+
+/* How far b lies above a (Hodges and Lehmann: the median of all differences b_j - a_i), its distribution-free interval, and
+ * the p-value of "the shift is within +- tolerance" (two-sided Mann-Whitney). */
+typedef struct pm__shift {
+    double shift, p;
+    pm__interval interval; /* the range of the differences where na and nb are too small for the level */
+} pm__shift;
+
+/* na, nb >= 1; both are sorted in place. Exact for up to 50 of each without ties, else the normal approximation, corrected
+ * for ties. Cost: that of sorting. */
+void pm__rank_shift(double *a, size_t na, double *b, size_t nb, double level, double tolerance, pm__shift *out);
+
 /* Estimates at `probes` probes in `trials` independent trials, less the truth: error[t * probes + q]. */
 typedef struct pm__trial_errors {
     const float *error;

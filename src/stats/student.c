@@ -47,6 +47,11 @@ static double student_cdf(double t, double dof)
     return 1.0 - 0.5 * pm__beta_cdf(0.5 * dof, 0.5, dof / (dof + t * t));
 }
 
+double pm__student_p(double t, double dof)
+{
+    return pm__beta_cdf(0.5 * dof, 0.5, dof / (dof + t * t));
+}
+
 double pm__student_quantile(double p, double dof)
 {
     double low = 0.0, high = 2.0;

@@ -10,7 +10,7 @@ END_TEST
 START_TEST(overview)
 {
     const char *const out = pm__expect("help", 0, NULL)->out;
-    const char *const names[] = {"accuracy", "estimate", "list", "help"};
+    const char *const names[] = {"accuracy", "estimate", "compare", "list", "help"};
     char line[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(line, sizeof line, "\n  %s ", names[i]);
@@ -36,7 +36,7 @@ static void check_width(const char *text)
 
 START_TEST(help_of_commands)
 {
-    const char *const names[] = {"accuracy", "estimate", "list", "help"};
+    const char *const names[] = {"accuracy", "estimate", "compare", "list", "help"};
     char arguments[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(arguments, sizeof arguments, "help %s", names[i]);
@@ -82,7 +82,7 @@ END_TEST
 START_TEST(list_as_tables)
 {
     ck_assert_ptr_nonnull(strstr(pm__expect("list searches --csv -", 0, NULL)->out,
-                                 "kind,name,summary,citation,parameters\nsearch,recursive,"));
+                                 "kind,name,summary,citation,parameters\nsearch,wide,"));
     ck_assert_ptr_nonnull(strstr(pm__expect("list searches --markdown -", 0, NULL)->out,
                                  "| kind | name | summary | citation | parameters |\n|---|---|---|---|---|\n"));
 }

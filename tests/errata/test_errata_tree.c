@@ -226,6 +226,7 @@ static pm_map *make_map(size_t n)
     pm_map *map = NULL;
     pm_error error = {""};
     PM_CHECK_OK(pm_map_create(photons, n, NULL, &map, &error), error);
+    PM_CHECK_OK(pm_map_prepare(map, pm_search_find("recursive"), NULL, &error), error);
     ck_assert_uint_eq(pm_map_count(map), n);
     PM_CHECK_OK(pm_map_check(map, &error), error);
     return map;

@@ -1,4 +1,5 @@
-/* Every search against an independent brute force in the caller's own coordinates: the same photons to the last tie. */
+/* Every search against an independent brute force in the caller's own coordinates: the same photons to the last tie, in a
+ * map created for the search and in one of another order to which its structure was added. */
 #include "../../src/base/memory.h"
 #include "../../src/base/random.h"
 #include "../../src/search/search.h"
@@ -6,9 +7,10 @@
 
 #include <string.h>
 
-enum { CLOUDS = 6 };
+enum { CLOUDS = 9, SEARCHES = 16 };
 
-/* uniform box; coarse grid (ties); all in one point; a line; a plane with two densities; a ball far from the origin */
+/* uniform box; coarse grid (ties); all in one point; a line; a plane with two densities; a box far from the origin;
+ * a tiny cluster with a few far off; photons sorted along a line; a cloud whose axes differ by ten powers of ten */
 static void make_cloud(int cloud, size_t count, pm_photon *photons)
 {
     for (size_t i = 0; i < count; i++) {
@@ -26,6 +28,12 @@ static void make_cloud(int cloud, size_t count, pm_photon *photons)
                 x = a == 2 ? 0.0 : i % 2 ? x : 0.01 * x;
             else if (cloud == 5)
                 x = 1000.0 + x;
+            else if (cloud == 6 && i % 100)
+                x = 0.5 + 1e-6 * x;
+            else if (cloud == 7)
+                x = a == 0 ? (double)i / (double)count : 0.5;
+            else if (cloud == 8)
+                x = a == 0 ? x : a == 1 ? 0.5 + 1e-5 * x : 1e-10 * x;
             photons[i].position[a] = (float)x;
             d[a] = u[3 + a] - 0.5;
         }
@@ -124,52 +132,110 @@ static void check_brute(const pm_map *map, const pm_photon *photons, size_t coun
                       (double)found[i].distance2 * unit * unit, hits[i].distance2);
 }
 
+/* The maps of one cloud: one created for each search, and one of the default order prepared for those it can be. */
+typedef struct fleet {
+    pm_map *own[SEARCHES];
+    pm_map *prepared;
+} fleet;
+
+static const pm_search *search_of(size_t s)
+{
+    return pm_search_find(pm__searches.entries[s]->name);
+}
+
+static void make_fleet(fleet *f, const pm_photon *photons, size_t count)
+{
+    pm_error error;
+    ck_assert_uint_le(pm__searches.count, SEARCHES);
+    PM_CHECK_OK(pm_map_create(photons, count, NULL, &f->prepared, &error), error);
+    for (size_t s = 0; s < pm__searches.count; s++) {
+        const pm_map_options options = {.search = search_of(s)};
+        PM_CHECK_OK(pm_map_create(photons, count, &options, &f->own[s], &error), error);
+        PM_CHECK_OK(pm_map_check(f->own[s], &error), error);
+        PM_CHECK_OK(pm_map_prepare(f->prepared, search_of(s), NULL, &error), error);
+    }
+    PM_CHECK_OK(pm_map_check(f->prepared, &error), error);
+}
+
+static void free_fleet(fleet *f)
+{
+    for (size_t s = 0; s < pm__searches.count; s++)
+        pm_map_destroy(f->own[s]);
+    pm_map_destroy(f->prepared);
+}
+
+static void check_one(const pm_map *map, const fleet *f, const pm_query *q, const pm_neighbor *expected, size_t want,
+                      const char *name)
+{
+    pm_neighbor *const found = pm__alloc(pm_map_count(map), sizeof *found);
+    size_t got = 0;
+    const pm_status status = pm_map_search(map, q, found, pm_map_count(map), &got);
+    ck_assert_msg(status == PM_OK && got == want, "%s: %zu, not %zu photons; of %zu, k %zu, shape %d, radius %g", name, got, want,
+                  pm_map_count(map), q->k, (int)q->shape, (double)q->max_radius);
+    for (size_t i = 0; i < got; i++)
+        ck_assert_msg(!memcmp(&found[i].distance2, &expected[i].distance2, sizeof found[i].distance2) &&
+                          pm_map_source(map, found[i].number) == pm_map_source(f->prepared, expected[i].number),
+                      "%s differs at %zu of k %zu", name, i, q->k);
+    free(found);
+}
+
+/* Every search, in its own map and in the prepared one, against the library's brute force: the same to the last bit.
+ * Returns how many photons there are. */
+static size_t check_all(const fleet *f, const pm_query *query)
+{
+    pm_query q = *query;
+    const size_t room = pm_map_count(f->prepared);
+    pm_neighbor *const expected = pm__alloc(room, sizeof *expected);
+    size_t want = 0;
+    q.search = pm_search_find("brute");
+    ck_assert_int_eq(pm_map_search(f->prepared, &q, expected, room, &want), PM_OK);
+    for (size_t s = 0; s < pm__searches.count; s++) {
+        q.search = search_of(s);
+        if (q.k && q.search->radius_only)
+            continue;
+        check_one(f->own[s], f, &q, expected, want, pm__searches.entries[s]->name);
+        check_one(f->prepared, f, &q, expected, want, pm__searches.entries[s]->name);
+    }
+    free(expected);
+    return want;
+}
+
 START_TEST(searches_agree_with_the_definition_and_with_each_other)
 {
     enum { COUNT = 700 };
     static const size_t ks[] = {1, 2, 3, 8, 50, 699, 700, 5000};
     pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
     hit *const hits = pm__alloc(COUNT, sizeof *hits);
-    pm_neighbor *const expected = pm__alloc(COUNT, sizeof *expected), *const found = pm__alloc(COUNT, sizeof *found);
+    pm_neighbor *const found = pm__alloc(COUNT, sizeof *found);
     for (int cloud = 0; cloud < CLOUDS; cloud++) {
+        fleet f;
         make_cloud(cloud, COUNT, photons);
-        pm_map *map = NULL;
-        ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, &map, NULL), PM_OK);
-        for (size_t number = 0; number < 40; number++)
+        make_fleet(&f, photons, COUNT);
+        for (size_t number = 0; number < 10; number++)
             for (int shape = 0; shape < 6; shape++)
                 for (size_t ki = 0; ki < sizeof ks / sizeof *ks; ki++) {
                     pm_query q = make_query(cloud, number, shape);
                     q.k = ks[ki];
                     if (cloud == 0 || cloud == 4)
-                        check_brute(map, photons, COUNT, &q, hits, expected);
-                    size_t want = 0, got = 0;
-                    q.search = pm_search_find("brute");
-                    ck_assert_int_eq(pm_map_search(map, &q, expected, COUNT, &want), PM_OK);
-                    for (size_t s = 0; s < pm__searches.count; s++) {
-                        q.search = pm_search_find(pm__searches.entries[s]->name);
-                        ck_assert_int_eq(pm_map_search(map, &q, found, COUNT, &got), PM_OK);
-                        ck_assert_uint_eq(got, want);
-                        ck_assert_msg(!memcmp(found, expected, got * sizeof *found), "%s differs: cloud %d, k %zu",
-                                      pm__searches.entries[s]->name, cloud, q.k);
-                    }
+                        check_brute(f.prepared, photons, COUNT, &q, hits, found);
+                    check_all(&f, &q);
                 }
-        pm_map_destroy(map);
+        free_fleet(&f);
     }
     free(photons);
     free(hits);
-    free(expected);
     free(found);
 }
 END_TEST
 
-/* Equal distances go to the lower index of the caller, whatever the tree did to the order. */
+/* Equal distances go to the lower index of the caller, whatever a structure did to the order. */
 START_TEST(ties_go_to_the_lower_index)
 {
     enum { COUNT = 64 };
     pm_photon photons[COUNT];
+    fleet f;
     make_cloud(2, COUNT, photons);
-    pm_map *map = NULL;
-    ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, &map, NULL), PM_OK);
+    make_fleet(&f, photons, COUNT);
     for (size_t s = 0; s < pm__searches.count; s++)
         for (size_t k = 1; k <= COUNT; k++) {
             pm_query q;
@@ -177,50 +243,100 @@ START_TEST(ties_go_to_the_lower_index)
             size_t count = 0;
             pm_query_init(&q);
             q.k = k;
-            q.search = pm_search_find(pm__searches.entries[s]->name);
-            ck_assert_int_eq(pm_map_search(map, &q, found, COUNT, &count), PM_OK);
-            ck_assert_uint_eq(count, k);
-            for (size_t i = 0; i < k; i++)
-                ck_assert_uint_eq(pm_map_source(map, found[i].number), i);
+            const pm_status status = pm_map_search(f.own[s], &q, found, COUNT, &count);
+            ck_assert_int_eq(status, search_of(s)->radius_only ? PM_EINVAL : PM_OK);
+            ck_assert_uint_eq(count, search_of(s)->radius_only ? 0 : k);
+            for (size_t i = 0; i < count; i++)
+                ck_assert_uint_eq(pm_map_source(f.own[s], found[i].number), i);
         }
-    pm_map_destroy(map);
+    free_fleet(&f);
 }
 END_TEST
 
+/* Radii from 0 (at a photon: it and its duplicates) over some hits to far more than the whole cloud. */
 START_TEST(fixed_radii_find_all_and_say_how_many)
 {
     enum { COUNT = 2000 };
+    static const float radii[] = {0.0f, 1e-30f, 1e-12f, 3e-7f, 1e-4f, 0.01f, 0.07f, 0.3f, 1.0f, 7.0f, 1e5f, 3e38f};
     pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
     hit *const hits = pm__alloc(COUNT, sizeof *hits);
-    pm_neighbor *const found = pm__alloc(COUNT, sizeof *found), *const expected = pm__alloc(COUNT, sizeof *found);
-    make_cloud(0, COUNT, photons);
-    pm_map *map = NULL;
-    ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, &map, NULL), PM_OK);
-    for (size_t number = 0; number < 50; number++)
-        for (int shape = 0; shape < 6; shape++) {
-            pm_query q = make_query(0, number, shape);
-            q.k = 0;
-            q.max_radius = (float)(0.02 * (double)(number + 1));
-            q.search = pm_search_find("brute");
-            size_t want = 0, got = 0;
-            ck_assert_int_eq(pm_map_search(map, &q, expected, COUNT, &want), PM_OK);
-            ck_assert_int_le(abs((int)accepted(photons, COUNT, &q, hits) - (int)want), 1);
-            for (size_t s = 0; s < pm__searches.count; s++) {
-                q.search = pm_search_find(pm__searches.entries[s]->name);
-                ck_assert_int_eq(pm_map_search(map, &q, found, COUNT, &got), PM_OK);
-                ck_assert_uint_eq(got, want);
-                ck_assert(!memcmp(found, expected, got * sizeof *found));
-                if (want > 3) {
-                    ck_assert_int_eq(pm_map_search(map, &q, found, 3, &got), PM_ETRUNCATED);
-                    ck_assert_uint_eq(got, want);
+    for (int cloud = 0; cloud < CLOUDS; cloud++) {
+        fleet f;
+        make_cloud(cloud, COUNT, photons);
+        make_fleet(&f, photons, COUNT);
+        for (size_t number = 0; number < 8; number++)
+            for (int shape = 0; shape < 6; shape++)
+                for (size_t r = 0; r < sizeof radii / sizeof *radii; r++) {
+                    pm_query q = make_query(cloud, number, shape);
+                    q.k = 0;
+                    q.max_radius = radii[r];
+                    if (number >= 4)
+                        memcpy(q.position, photons[number * 17].position, sizeof q.position);
+                    const size_t want = check_all(&f, &q);
+                    if (!cloud && radii[r] >= 0.01f && radii[r] < 1e6f)
+                        ck_assert_int_le(abs((int)accepted(photons, COUNT, &q, hits) - (int)want), 1);
+                    if (number >= 4 && !shape)
+                        ck_assert_uint_ge(want, cloud == 2 ? COUNT : 1);
                 }
-            }
-        }
-    pm_map_destroy(map);
+        free_fleet(&f);
+    }
     free(photons);
     free(hits);
-    free(found);
-    free(expected);
+}
+END_TEST
+
+START_TEST(too_small_a_buffer_is_told_the_number)
+{
+    enum { COUNT = 500 };
+    pm_photon photons[COUNT];
+    fleet f;
+    make_cloud(0, COUNT, photons);
+    make_fleet(&f, photons, COUNT);
+    pm_query q = make_query(0, 1, 0);
+    q.k = 0;
+    q.max_radius = 0.5f;
+    const size_t want = check_all(&f, &q);
+    ck_assert_uint_gt(want, 3);
+    for (size_t s = 0; s < pm__searches.count; s++) {
+        pm_neighbor found[3];
+        size_t got = 0;
+        q.search = search_of(s);
+        ck_assert_int_eq(pm_map_search(f.own[s], &q, found, 3, &got), PM_ETRUNCATED);
+        ck_assert_uint_eq(got, want);
+    }
+    free_fleet(&f);
+}
+END_TEST
+
+/* Few photons, of which trees and grids are easily wrong, and scales at which squares under- and overflow. */
+START_TEST(small_maps_and_extreme_scales)
+{
+    static const double scales[] = {1.0, 1e-30, 1e30, 1e37};
+    pm_photon photons[40];
+    for (size_t count = 0; count <= 40; count = count < 8 ? count + 1 : 2 * count)
+        for (int cloud = 0; cloud < CLOUDS; cloud++)
+            for (size_t scale = 0; scale < 4; scale++) {
+                fleet f;
+                if (cloud == 5 && scale == 3)
+                    continue; /* beyond float */
+                make_cloud(cloud, count, photons);
+                for (size_t i = 0; i < count; i++)
+                    for (int a = 0; a < 3; a++)
+                        photons[i].position[a] = (float)((double)photons[i].position[a] * scales[scale]);
+                make_fleet(&f, photons, count);
+                for (int shape = 0; shape < 6; shape++)
+                    for (size_t k = 0; k <= 9; k++) {
+                        pm_query q = make_query(cloud, k, shape);
+                        q.k = k;
+                        q.max_radius = (float)((double)q.max_radius * scales[scale]);
+                        if (!k)
+                            q.max_radius = (float)(0.4 * scales[scale]);
+                        for (int a = 0; a < 3; a++)
+                            q.position[a] = (float)((double)q.position[a] * scales[scale]);
+                        check_all(&f, &q);
+                    }
+                free_fleet(&f);
+            }
 }
 END_TEST
 
@@ -288,5 +404,6 @@ START_TEST(automatic_radii_have_the_papers_constants)
 END_TEST
 
 PM_TEST_MAIN("search", searches_agree_with_the_definition_and_with_each_other, ties_go_to_the_lower_index,
-             fixed_radii_find_all_and_say_how_many, bad_queries_are_refused,
+             fixed_radii_find_all_and_say_how_many, too_small_a_buffer_is_told_the_number, small_maps_and_extreme_scales,
+             bad_queries_are_refused,
              automatic_radii_have_the_papers_constants)

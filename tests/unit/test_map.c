@@ -2,7 +2,7 @@
 #include "../../src/base/memory.h"
 #include "../../src/base/random.h"
 #include "../../src/cli/parallel.h"
-#include "../../src/map/map.h"
+#include "../../src/map/wide.h"
 #include "../test.h"
 
 #include <string.h>
@@ -45,9 +45,9 @@ START_TEST(invariants_hold_for_every_small_count)
 {
     for (int levels = 0; levels <= 4; levels += 4)
         for (size_t count = 0; count <= 300; count++)
-            for (int split = 0; split < 2; split++) {
+            for (int split = 0; split < 3; split++) { /* 2: the default structure */
                 pm_photon *const photons = random_photons(count, (uint32_t)count, levels);
-                const pm_map_options options = {(pm_split)split, NULL};
+                const pm_map_options options = {.split = (pm_split)split, .search = split == 2 ? NULL : pm_search_find("recursive")};
                 pm_map *map = NULL;
                 pm_error error;
                 PM_CHECK_OK(pm_map_create(photons, count, &options, &map, &error), error);
@@ -69,15 +69,27 @@ START_TEST(the_checker_sees_broken_trees)
     pm_map *map = NULL;
     pm_error error;
     PM_CHECK_OK(pm_map_create(photons, 100, NULL, &map, &error), error);
-    const pm__node saved = map->nodes[7];
-    map->nodes[7] = map->nodes[8]; /* an id twice */
+    PM_CHECK_OK(pm_map_prepare(map, pm_search_find("recursive"), NULL, &error), error);
+    PM_CHECK_OK(pm_map_check(map, &error), error);
+    pm__node *const nodes = map->index[PM__KD_TREE];
+    const pm__node saved = nodes[7];
+    nodes[7] = nodes[8]; /* a photon twice */
     ck_assert_int_eq(pm_map_check(map, &error), PM_EBROKEN);
-    map->nodes[7] = saved;
-    const unsigned axis = pm__node_axis(&map->nodes[1]);
-    const pm__node left = map->nodes[2];
-    map->nodes[2].position[axis] = 100.0f; /* on the wrong side of the root */
+    nodes[7] = saved;
+    const unsigned axis = pm__node_axis(&nodes[1]);
+    const pm__node left = nodes[2];
+    nodes[2].position[axis] = 100.0f; /* on the wrong side of the root */
     ck_assert_int_eq(pm_map_check(map, &error), PM_EBROKEN);
-    map->nodes[2] = left;
+    nodes[2] = left;
+    const uint32_t id = map->ids[5];
+    map->ids[5] = map->ids[6];
+    ck_assert_int_eq(pm_map_check(map, &error), PM_EBROKEN);
+    map->ids[5] = id;
+    pm__boxes *const boxes = ((pm__wide *)map->index[PM__WIDE])->level[0];
+    const float high = boxes->high[1][3];
+    boxes->high[1][3] = boxes->low[1][3]; /* a block's box too small */
+    ck_assert_int_eq(pm_map_check(map, &error), PM_EBROKEN);
+    boxes->high[1][3] = high;
     map->power[3][1] = NAN;
     ck_assert_int_eq(pm_map_check(map, &error), PM_EBROKEN);
     map->power[3][1] = 1.0f;
@@ -87,20 +99,30 @@ START_TEST(the_checker_sees_broken_trees)
 }
 END_TEST
 
-START_TEST(threads_do_not_change_the_tree)
+/* The tree itself, and the order of the default structure. */
+static bool same_maps(const pm_map *a, const pm_map *b)
+{
+    if (a->index[PM__KD_TREE])
+        return !memcmp(pm__tree(a) + 1, pm__tree(b) + 1, a->count * sizeof(pm__node));
+    return !memcmp(a->ids, b->ids, a->count * sizeof *a->ids) &&
+           !memcmp(a->blocks, b->blocks, a->block_count * sizeof *a->blocks) &&
+           !memcmp(a->power, b->power, a->count * sizeof *a->power);
+}
+
+START_TEST(threads_do_not_change_the_map)
 {
     const size_t count = 50000;
-    for (int levels = 0; levels <= 16; levels += 16) {
-        pm_photon *const photons = random_photons(count, 3, levels);
+    for (int levels = 0; levels <= 32; levels += 16) {
+        pm_photon *const photons = random_photons(count, 3, levels % 32);
         size_t threads = 3;
         pm_error error;
         const pm_parallel parallel = pm__parallel_for(&threads);
-        const pm_map_options options = {PM_SPLIT_EXTENT, &parallel};
+        const pm_search *const search = levels == 32 ? NULL : pm_search_find("recursive");
+        const pm_map_options alone = {.search = search}, options = {.search = search, .parallel = &parallel};
         pm_map *serial = NULL, *threaded = NULL;
-        PM_CHECK_OK(pm_map_create(photons, count, NULL, &serial, &error), error);
+        PM_CHECK_OK(pm_map_create(photons, count, &alone, &serial, &error), error);
         PM_CHECK_OK(pm_map_create(photons, count, &options, &threaded, &error), error);
-        ck_assert(!memcmp(serial->nodes + 1, threaded->nodes + 1, count * sizeof *serial->nodes));
-        ck_assert(!memcmp(serial->power, threaded->power, count * sizeof *serial->power));
+        ck_assert(same_maps(serial, threaded));
         pm_map_destroy(serial);
         pm_map_destroy(threaded);
         free(photons);
@@ -125,10 +147,35 @@ START_TEST(hard_orders_stay_fast_and_right)
         pm_map *map = NULL;
         pm_error error;
         PM_CHECK_OK(pm_map_create(photons, count, NULL, &map, &error), error);
+        static const char *const searches[] = {"recursive", "unbalanced", "grid"};
+        for (size_t i = 0; i < sizeof searches / sizeof *searches; i++)
+            PM_CHECK_OK(pm_map_prepare(map, pm_search_find(searches[i]), NULL, &error), error);
         PM_CHECK_OK(pm_map_check(map, &error), error);
         pm_map_destroy(map);
     }
     free(photons);
+}
+END_TEST
+
+/* At most 24 bytes a photon for the structure of any search with the ids: in space, on walls, all in one point. */
+START_TEST(structures_stay_within_their_memory)
+{
+    static const char *const searches[] = {"wide", "recursive", "unbalanced", "grid"};
+    const size_t count = 160000;
+    for (int cloud = 0; cloud < 3; cloud++) {
+        pm_photon *const photons = random_photons(count, 4, cloud == 2 ? 1.0 : 0.0);
+        for (size_t i = 0; i < count && cloud == 1; i++)
+            photons[i].position[i % 3] = i % 2 ? 1.0f : 0.0f;
+        for (size_t s = 0; s < sizeof searches / sizeof *searches; s++) {
+            const pm_map_options options = {.search = pm_search_find(searches[s])};
+            pm_map *map = NULL;
+            pm_error error;
+            PM_CHECK_OK(pm_map_create(photons, count, &options, &map, &error), error);
+            ck_assert_msg(pm_map_bytes(map) <= 24 * count + 64, "%s: %zu bytes", searches[s], pm_map_bytes(map));
+            pm_map_destroy(map);
+        }
+        free(photons);
+    }
 }
 END_TEST
 
@@ -187,5 +234,6 @@ START_TEST(non_finite_photons_are_refused_by_index)
 END_TEST
 
 PM_TEST_MAIN("map", left_sizes_fill_the_last_level_from_the_left, invariants_hold_for_every_small_count,
-             the_checker_sees_broken_trees, threads_do_not_change_the_tree, hard_orders_stay_fast_and_right,
+             the_checker_sees_broken_trees, threads_do_not_change_the_map, hard_orders_stay_fast_and_right,
+             structures_stay_within_their_memory,
              positions_come_back_to_the_bit, non_finite_photons_are_refused_by_index)
