@@ -39,6 +39,12 @@ MAIN_OBJECT := $(BUILD)/obj/src/cli/main.o
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/*/test_*.c))
 SHARED = libphotonmap.so.$(VERSION)
 
+INTO = "$(DESTDIR)$(PREFIX)"
+# Kept in the build folder; what was compiled with others is compiled again.
+FLAGS = $(strip $(CC) $(PM_CFLAGS) $(OPENMP) $(LDFLAGS))
+# The commands that install their dependencies build on all processors, unless make was told how many.
+PARALLEL = $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
+
 Q = $(if $(V),,@)
 say = $(if $(V),,@printf '  %-7s %s\n' $(1) $(2))
 
@@ -47,50 +53,56 @@ all: lib program ## the program and both libraries (the default)
 lib: $(BUILD)/libphotonmap.a $(BUILD)/libphotonmap.so $(BUILD)/photonmap.pc ## libphotonmap alone
 program: $(BUILD)/photonbench
 install: lib program ## program, libraries, header and photonmap.pc into PREFIX (/usr/local)
-	$(call say,INSTALL,$(DESTDIR)$(PREFIX))
-	$(Q)install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib/pkgconfig
-	$(Q)install -m 755 $(BUILD)/photonbench $(DESTDIR)$(PREFIX)/bin/
-	$(Q)install -m 644 src/photonmap.h $(DESTDIR)$(PREFIX)/include/
-	$(Q)install -m 644 $(BUILD)/libphotonmap.a $(DESTDIR)$(PREFIX)/lib/
-	$(Q)install -m 755 $(BUILD)/$(SHARED) $(DESTDIR)$(PREFIX)/lib/
-	$(Q)ln -sf $(SHARED) $(DESTDIR)$(PREFIX)/lib/libphotonmap.so.$(SO_MAJOR)
-	$(Q)ln -sf $(SHARED) $(DESTDIR)$(PREFIX)/lib/libphotonmap.so
-	$(Q)sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/photonmap.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/photonmap.pc
+	$(call say,INSTALL,$(INTO))
+	$(Q)install -d $(INTO)/bin $(INTO)/include $(INTO)/lib/pkgconfig
+	$(Q)install -m 755 $(BUILD)/photonbench $(INTO)/bin/
+	$(Q)install -m 644 src/photonmap.h $(INTO)/include/
+	$(Q)install -m 644 $(BUILD)/libphotonmap.a $(INTO)/lib/
+	$(Q)install -m 755 $(BUILD)/$(SHARED) $(INTO)/lib/
+	$(Q)ln -sf $(SHARED) $(INTO)/lib/libphotonmap.so.$(SO_MAJOR)
+	$(Q)ln -sf $(SHARED) $(INTO)/lib/libphotonmap.so
+	$(Q)sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/photonmap.pc.in > $(INTO)/lib/pkgconfig/photonmap.pc
 uninstall: ## removes what install put there
-	$(Q)rm -f $(DESTDIR)$(PREFIX)/bin/photonbench $(DESTDIR)$(PREFIX)/include/photonmap.h \
-	    $(DESTDIR)$(PREFIX)/lib/libphotonmap.a $(DESTDIR)$(PREFIX)/lib/libphotonmap.so* \
-	    $(DESTDIR)$(PREFIX)/lib/pkgconfig/photonmap.pc
+	$(Q)rm -f $(INTO)/bin/photonbench $(INTO)/include/photonmap.h $(INTO)/lib/libphotonmap.a \
+	    $(INTO)/lib/libphotonmap.so* $(INTO)/lib/pkgconfig/photonmap.pc
 clean: ## removes the build folder
 	$(Q)rm -rf $(BUILD)
 
 ##@ Run
-demo: deps ## the quick accuracy suite: table on screen, rows in build/demo/accuracy.json
-	$(Q)$(MAKE) --no-print-directory program
+demo: deps-build ## the quick accuracy suite: table on screen, rows in build/demo/accuracy.json
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) run-demo
+run-demo: program
 	$(Q)mkdir -p $(BUILD)/demo
 	$(Q)$(BUILD)/photonbench accuracy --profile quick --json $(BUILD)/demo/accuracy.json
 
 bench: deps-bench ## searches and peer libraries against each other: table on screen, rows in build/bench/search.json
-	$(Q)$(MAKE) --no-print-directory program
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) run-bench
+run-bench: program
 	$(Q)mkdir -p $(BUILD)/bench
 	$(Q)$(BUILD)/photonbench search --case box,square,caustic,volume --k 8,50,500 --radius auto:50 --threads 1 \
 	    --search all --seconds 400 --json $(BUILD)/bench/search.json -o $(BUILD)/bench/search.txt
 	$(Q)cat $(BUILD)/bench/search.txt
 
 ##@ Check
-check: deps-check ## every test
-	$(Q)$(MAKE) --no-print-directory run-tests
-check-san: deps-check ## every test under the address and undefined-behaviour sanitizers
-	$(Q)$(MAKE) --no-print-directory BUILD=$(BUILD)/san run-tests \
+check: deps ## every test
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) run-tests
+check-san: deps ## every test under the address and undefined-behaviour sanitizers
+	$(Q)CK_TIMEOUT_MULTIPLIER=10 $(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/san run-tests \
 	    CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
 check-full: check check-san ## check, check-san, valgrind on the unit tests, the full statistics
 	$(Q)PM_FULL=1 tests/run.sh $(BUILD) stat
 	$(Q)tests/valgrind.sh $(BUILD)
+tests: $(TESTS) ## builds the tests
+run-tests: tests lib program
+	$(Q)tests/structure.sh
+	$(Q)CC="$(CC)" tests/install.sh $(BUILD)
+	$(Q)tests/run.sh $(BUILD)
 
 ##@ Dependencies
-deps: ## installs what the build needs (as root; else names the apt line)
-	$(Q)CC="$(CC)" .ci/deps.sh install build
-deps-check: ## the same for the tests
+deps: ## installs what the build and the tests need (as root; else names the apt line)
 	$(Q)CC="$(CC)" .ci/deps.sh install build check
+deps-build: ## the same for the build alone
+	$(Q)CC="$(CC)" .ci/deps.sh install build
 deps-bench: ## the same for the benchmarks: the peer libraries
 	$(Q)CC="$(CC)" .ci/deps.sh install build bench
 help: ## this list
@@ -100,9 +112,15 @@ help: ## this list
 
 # Rules
 
-$(BUILD)/.named-deps: .ci/deps.sh
-	$(Q)mkdir -p $(@D)
-	$(Q)CC="$(CC)" .ci/deps.sh name build && touch $@
+ifneq ($(file <$(BUILD)/.flags),$(FLAGS))
+.PHONY: $(BUILD)/.flags
+endif
+$(BUILD)/.flags: .ci/deps.sh
+	$(Q)CC="$(CC)" .ci/deps.sh name build
+	$(Q)mkdir -p $(@D) && printf '%s\n' '$(subst ','\'',$(FLAGS))' >$@
+$(BUILD)/.check-deps: .ci/deps.sh
+	$(Q)CC="$(CC)" .ci/deps.sh name build check
+	$(Q)mkdir -p $(@D) && touch $@
 
 # The library is plain C11: no OpenMP, and position independent for the shared one.
 $(LIB_OBJECTS): PM_EXTRA = -fPIC -fvisibility=hidden
@@ -114,7 +132,7 @@ endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
 $(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))"'
 
-$(BUILD)/obj/%.o: %.c | $(BUILD)/.named-deps
+$(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 	$(call say,CC,$<)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) -MMD -MP -c $< -o $@
@@ -136,12 +154,13 @@ $(BUILD)/libphotonmap.a: $(LIB_OBJECTS)
 	$(call say,AR,$@)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
-$(BUILD)/libphotonmap.so: $(LIB_OBJECTS)
+$(BUILD)/libphotonmap.so: $(LIB_OBJECTS) src/cli/version.h
 	$(call say,LD,$@)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libphotonmap.so.$(SO_MAJOR) $^ -lm -o $(BUILD)/$(SHARED)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libphotonmap.so.$(SO_MAJOR) $(LIB_OBJECTS) -lm -o $(BUILD)/$(SHARED)
 	$(Q)ln -sf $(SHARED) $(BUILD)/libphotonmap.so.$(SO_MAJOR) && ln -sf $(SHARED) $@
 
 $(BUILD)/photonmap.pc: src/photonmap.pc.in src/cli/version.h
+	$(Q)mkdir -p $(@D)
 	$(Q)sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' $< > $@
 
 $(BUILD)/program.a: $(PROGRAM_OBJECTS)
@@ -153,19 +172,13 @@ $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -ljansson -lm -o $@
 
 # Tests see the program's parts as well as the library's, so they link the static archives.
-$(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a
+$(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' -MMD -MP -MF $@.d $(LDFLAGS) $< \
 	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
-tests: $(TESTS) ## builds the tests
-run-tests: tests lib program
-	$(Q)tests/structure.sh
-	$(Q)CC="$(CC)" tests/install.sh $(BUILD)
-	$(Q)tests/run.sh $(BUILD)
-
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
-.PHONY: all lib program install uninstall clean demo bench check check-san check-full deps deps-check deps-bench \
-    help tests run-tests .FORCE
+.PHONY: all lib program install uninstall clean demo run-demo bench run-bench check check-san check-full tests run-tests \
+    deps deps-build deps-bench help .FORCE
 .DELETE_ON_ERROR:

@@ -7,20 +7,32 @@ set -eu
 
 mode=$1
 shift
-wanted="libc6-dev pkg-config libjansson-dev librandom123-dev"
-for set in "$@"; do
-    [ "$set" != check ] || wanted="$wanted check libgsl-dev libmpfr-dev"
-    [ "$set" != bench ] || wanted="$wanted g++ libnanoflann-dev libflann-dev liblz4-dev libann-dev libcgal-dev libembree-dev libtbb-dev"
-done
-command -v "${CC:-cc}" >/dev/null 2>&1 || wanted="gcc $wanted"
+command -v dpkg-query >/dev/null 2>&1 || exit 0 # not Debian: the compiler will say what is missing
 
-if ! command -v dpkg-query >/dev/null 2>&1; then
-    exit 0 # not Debian: the compiler will say what is missing
-fi
+# Commands count wherever they come from, headers and libraries by their package.
+wanted="libc6-dev libjansson-dev librandom123-dev"
 missing=
+compiler=${CC%% *}
+case $compiler in
+clang | clang-[0-9]*)
+    package=$compiler
+    wanted="$wanted libomp${compiler#clang}-dev"
+    ;;
+gcc-[0-9]*) package=$compiler ;;
+cc | gcc) package=gcc ;;
+*) package= ;; # not one of Debian's by that name: the build will say what it thinks of it
+esac
+[ -z "$package" ] || command -v "$compiler" >/dev/null 2>&1 || missing=" $package"
+for set in "$@"; do
+    [ "$set" != bench ] ||
+        wanted="$wanted g++ libnanoflann-dev libflann-dev liblz4-dev libann-dev libcgal-dev libembree-dev libtbb-dev"
+    [ "$set" = check ] || continue
+    wanted="$wanted check libgsl-dev libmpfr-dev"
+    command -v pkg-config >/dev/null 2>&1 || missing="$missing pkg-config"
+done
 for package in $wanted; do
     case $(dpkg-query -W -f='${db:Status-Abbrev}' "$package" 2>/dev/null || true) in
-    ii*) ;;
+    ?i*) ;;
     *) missing="$missing $package" ;;
     esac
 done
@@ -29,8 +41,9 @@ done
 line="apt-get install -y --no-install-recommends$missing"
 if [ "$mode" = install ] && [ "$(id -u)" = 0 ]; then
     echo "Installing$missing"
-    apt-get update -q
-    DEBIAN_FRONTEND=noninteractive $line
+    export DEBIAN_FRONTEND=noninteractive DEBCONF_NOWARNINGS=yes
+    apt-get update -qq
+    $line -qq >/dev/null
     exit 0
 fi
 echo "Missing Debian packages. Install them with:" >&2

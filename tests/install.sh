@@ -5,7 +5,12 @@ set -eu
 build=$1
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
-make --no-print-directory BUILD="$build" PREFIX="$root/usr" install >/dev/null
+# A make of its own: neither the caller's job server nor the caller's DESTDIR.
+unset MAKEFLAGS MAKELEVEL
+install_there() {
+    make --no-print-directory BUILD="$build" PREFIX="$root/usr" DESTDIR= "$@" >/dev/null
+}
+install_there install
 
 cat >"$root/outsider.c" <<'END'
 #include <photonmap.h>
@@ -45,8 +50,10 @@ san=
 if nm "$build/libphotonmap.a" 2>/dev/null | grep -q __asan_init; then
     san="-fsanitize=address,undefined"
 fi
+# shellcheck disable=SC2046 # pkg-config answers with several words
 ${CC:-cc} -std=c11 -Wall -Wextra -Wpedantic $san "$root/outsider.c" $(pkg-config --cflags --libs photonmap) -o "$root/shared"
 LD_LIBRARY_PATH="$root/usr/lib" "$root/shared"
+# shellcheck disable=SC2046
 ${CC:-cc} -std=c11 -Wall -Wextra -Wpedantic $san "$root/outsider.c" $(pkg-config --cflags photonmap) \
     "$root/usr/lib/libphotonmap.a" -lm -o "$root/static"
 "$root/static"
@@ -56,7 +63,7 @@ if [ -z "$san" ] && [ -n "$foreign" ]; then
     echo "install: libphotonmap.so exports: $foreign" >&2
     exit 1
 fi
-make --no-print-directory BUILD="$build" PREFIX="$root/usr" uninstall
+install_there uninstall
 left=$(find "$root/usr" -type f -o -type l)
 [ -z "$left" ] || { echo "install: uninstall left $left" >&2; exit 1; }
 echo "install: an outsider's program runs against the installed library"

@@ -22,6 +22,7 @@ rank() {
 for file in $(find src estimators cases tests -name '*.[ch]' | sort); do
     mine=$(rank "$file")
     dir=$(dirname "$file")
+    # shellcheck disable=SC2013 # neither names nor paths hold spaces
     for include in $(sed -n 's/^#include "\(.*\)"/\1/p' "$file"); do
         path=$(realpath -m --relative-to=. "$dir/$include")
         [ -f "$path" ] || fail "$file includes $include, which is not there"
@@ -38,6 +39,7 @@ for dir in src/search estimators cases; do
         row=$(echo "$name" | tr - _)
         grep -q "X($row)" $dir/list.h || grep -q "\b$name\.c\b" $dir/list.h || fail "$file has no row in $dir/list.h"
     done
+    # shellcheck disable=SC2013
     for row in $(sed -n 's/^ *X(\([a-z_0-9]*\)).*/\1/p' $dir/list.h); do
         [ -f "$dir/$row.c" ] || [ -f "$dir/$(echo "$row" | tr _ -).c" ] || fail "$dir/list.h: no file for $row"
     done

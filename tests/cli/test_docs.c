@@ -1,0 +1,219 @@
+/* The pages keep up with the code: what they name exists, and what exists they name. Reads files relative to the
+ * repository's root, where tests run. */
+#include "../program.h"
+
+#include "../../cases/case.h"
+#include "../../estimators/estimator.h"
+#include "../../src/base/sampler.h"
+#include "../../src/search/search.h"
+
+enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
+
+static const char *const page_paths[] = {"README.md",       "docs/accuracy.md", "docs/estimate.md",
+                                         "docs/list.md",    "docs/library.md",  "docs/errata.md"};
+enum { PAGES = sizeof page_paths / sizeof *page_paths };
+
+static char pages[PAGES][PAGE_SIZE];
+
+static const char *page(const char *path)
+{
+    for (int i = 0; i < PAGES; i++)
+        if (strcmp(path, page_paths[i]) == 0) {
+            if (!*pages[i])
+                (void)pm__test_read(path, pages[i], PAGE_SIZE);
+            ck_assert_msg(*pages[i] != '\0', "%s cannot be read", path);
+            return pages[i];
+        }
+    ck_abort_msg("no page %s", path);
+}
+
+/* Output of a shell command, which must succeed. */
+static const char *output_of(const char *command)
+{
+    static char text[PAGE_SIZE];
+    FILE *const pipe = popen(command, "r");
+    ck_assert_ptr_nonnull(pipe);
+    text[fread(text, 1, sizeof text - 1, pipe)] = '\0';
+    ck_assert_msg(pclose(pipe) == 0, "%s failed", command);
+    return text;
+}
+
+/* Whether some page has `name` in code: after a backtick or as a word of an example. */
+static bool is_mentioned(const char *name)
+{
+    char code[80];
+    (void)snprintf(code, sizeof code, "`%s", name);
+    const size_t length = strlen(code);
+    for (int i = 0; i < PAGES; i++)
+        for (const char *at = strstr(page(page_paths[i]), code); at; at = strstr(at + 1, code))
+            if (at[length] == '`' || at[length] == ':' || at[length] == ' ')
+                return true;
+    return false;
+}
+
+START_TEST(everything_listed_is_mentioned)
+{
+    const pm__catalogue *const all[] = {&pm__estimators, &pm__cases, &pm__searches, &pm__samplers};
+    for (int c = 0; c < 4; c++)
+        for (size_t i = 0; i < all[c]->count; i++)
+            ck_assert_msg(is_mentioned(all[c]->entries[i]->name), "no page mentions the %s %s", all[c]->kind,
+                          all[c]->entries[i]->name);
+}
+END_TEST
+
+/* Each option that help shows has its row in the command's page. */
+START_TEST(options_are_documented)
+{
+    static const char *const commands[] = {"accuracy", "estimate", "list"};
+    for (int c = 0; c < 3; c++) {
+        char arguments[40], path[40], option[40], wanted[48];
+        (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
+        (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
+        int options = 0;
+        for (const char *at = pm__expect(arguments, 0, NULL)->out; (at = strstr(at, "\n  ")) != NULL; at += 3) {
+            const char *const dashes = at[3] == '-' && at[4] != '-' ? at + 7 : at + 3; /* -o, --output */
+            if (sscanf(dashes, "--%30[a-z]", option) != 1)
+                continue;
+            options++;
+            (void)snprintf(wanted, sizeof wanted, "`--%s", option);
+            ck_assert_msg(strstr(page(path), wanted) != NULL, "%s lacks --%s", path, option);
+        }
+        ck_assert_int_ge(options, 6);
+    }
+}
+END_TEST
+
+/* Each field of a JSON row, in backticks. */
+static void check_fields(const char *arguments, const char *path)
+{
+    json_t *const root = pm__expect_json(arguments), *value;
+    const char *key;
+    char wanted[60];
+    json_object_foreach(json_array_get(json_object_get(root, "rows"), 0), key, value) {
+        (void)snprintf(wanted, sizeof wanted, "`%s`", key);
+        ck_assert_msg(strstr(page(path), wanted) != NULL, "%s lacks the field %s", path, key);
+    }
+    json_decref(root);
+}
+
+START_TEST(fields_are_documented)
+{
+    check_fields("accuracy --case square --estimator disc --k 5 --photons 100 --trials 2 --probes 4 --json -",
+                 "docs/accuracy.md");
+    check_fields("list cases --json -", "docs/list.md");
+}
+END_TEST
+
+/* Next `word` in backticks from `at` on and before `end`; where to go on, or NULL. */
+static const char *next_code(const char *at, const char *end, char word[100])
+{
+    const char *const open = strchr(at, '`');
+    if (!open || open >= end)
+        return NULL;
+    const size_t length = strcspn(open + 1, "`");
+    ck_assert_uint_lt(length, 100);
+    memcpy(word, open + 1, length);
+    word[length] = '\0';
+    return open + length + 2;
+}
+
+/* "Proof: `tests/x.c`: `one`, `two`; `tests/y.c`: `three`." names tests that are there. Returns how many. */
+static int check_proof(const char *proof)
+{
+    static char source[PAGE_SIZE];
+    char word[100], wanted[130];
+    const char *const blank = strstr(proof, "\n\n"), *const end = blank ? blank : proof + strlen(proof);
+    int count = 0;
+    *source = '\0';
+    while ((proof = next_code(proof, end, word)) != NULL) {
+        if (strncmp(word, "tests/", 6) == 0) {
+            (void)pm__test_read(word, source, sizeof source);
+            ck_assert_msg(*source != '\0', "docs/errata.md: %s is not there", word);
+            continue;
+        }
+        (void)snprintf(wanted, sizeof wanted, "START_TEST(%s)", word);
+        ck_assert_msg(strstr(source, wanted) != NULL, "docs/errata.md names a test %s that is not there", word);
+        count++;
+    }
+    return count;
+}
+
+/* Every section but the first, which explains, and the one that holds the theorems ends in a proof. */
+START_TEST(errata_have_their_tests)
+{
+    int sections = 0;
+    for (const char *at = strstr(page("docs/errata.md"), "\n## "); at; at = strstr(at + 1, "\n## ")) {
+        const char *const next = strstr(at + 1, "\n## "), *const proof = strstr(at, "\nProof: ");
+        ck_assert_msg(proof && (!next || proof < next), "docs/errata.md: no proof under%.40s", at + 3);
+        for (const char *p = proof; p && (!next || p < next); p = strstr(p + 1, "\nProof: "))
+            ck_assert_int_gt(check_proof(p), 0);
+        sections++;
+    }
+    ck_assert_int_ge(sections, 25);
+}
+END_TEST
+
+/* "errata 14" in a comment leads somewhere. */
+START_TEST(cited_errata_are_there)
+{
+    const char *at = output_of("grep -rhoE 'errat(a|um) [0-9]+((, | to | and )[0-9]+)*' src estimators cases tests");
+    int count = 0;
+    while (*(at += strcspn(at, "0123456789"))) {
+        char heading[40];
+        (void)snprintf(heading, sizeof heading, "\n## %d. ", (int)strtol(at, NULL, 10));
+        ck_assert_msg(strstr(page("docs/errata.md"), heading) != NULL, "docs/errata.md lacks errata %.3s", at);
+        at += strspn(at, "0123456789");
+        count++;
+    }
+    ck_assert_int_ge(count, 20);
+}
+END_TEST
+
+/* The C examples of a page compile without a warning. */
+static int compile_examples(const char *path, const char *flags)
+{
+    char command[300];
+    const char *const compiler = getenv("CC");
+    int count = 0;
+    (void)snprintf(command, sizeof command,
+                   "c='%s'; command -v $c >/dev/null || c=clang; $c -std=c11 -D_GNU_SOURCE -Wall -Wextra -Wpedantic "
+                   "-Wno-unknown-pragmas -Werror -fsyntax-only %s -x c -",
+                   compiler && *compiler ? compiler : "cc", flags);
+    for (const char *at = strstr(page(path), "```c\n"); at; at = strstr(at, "```c\n")) {
+        const char *const code = at + 5, *const end = strstr(code, "\n```");
+        ck_assert_ptr_nonnull(end);
+        FILE *const pipe = popen(command, "w");
+        ck_assert_ptr_nonnull(pipe);
+        (void)fwrite(code, 1, (size_t)(end - code) + 1, pipe);
+        ck_assert_msg(pclose(pipe) == 0, "%s: an example does not compile", path);
+        at = end;
+        count++;
+    }
+    return count;
+}
+
+START_TEST(examples_compile)
+{
+    ck_assert_int_eq(compile_examples("README.md", "-I estimators"), 1);
+    ck_assert_int_eq(compile_examples("docs/library.md", "-I src"), 2);
+}
+END_TEST
+
+/* Links to files of the repository lead somewhere; lines are of a readable length. */
+START_TEST(links_and_lines)
+{
+    for (int i = 0; i < PAGES; i++) {
+        for (const char *at = page(page_paths[i]); (at = strstr(at, "](")) != NULL; at += 2) {
+            char target[200], path[240];
+            (void)snprintf(target, sizeof target, "%.*s", (int)strcspn(at + 2, ")#"), at + 2);
+            (void)snprintf(path, sizeof path, "%s%s", i ? "docs/" : "", target);
+            ck_assert_msg(!*target || access(path, R_OK) == 0, "%s: no %s", page_paths[i], path);
+        }
+        for (const char *line = page(page_paths[i]); *line; line += strcspn(line, "\n") + 1)
+            ck_assert_msg(strcspn(line, "\n") <= LONGEST_LINE, "%s: %.60s...", page_paths[i], line);
+    }
+}
+END_TEST
+
+PM_TEST_MAIN("docs", everything_listed_is_mentioned, options_are_documented, fields_are_documented,
+             errata_have_their_tests, cited_errata_are_there, examples_compile, links_and_lines)
