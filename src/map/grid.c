@@ -10,7 +10,7 @@
 
 enum {
     SAMPLE = 4096,
-    PHOTONS_A_CELL = 6, /* where photons fill the cells; found best at 50 photons in the sphere */
+    PHOTONS_A_CELL = 6, /* where photons fill the cells */
     CROWDED = 2 * PHOTONS_A_CELL
 };
 

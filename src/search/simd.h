@@ -21,6 +21,8 @@ static inline vf v_min(vf a, vf b) { return _mm512_min_ps(a, b); }
 static inline void v_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
 static inline unsigned v_le(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
 static inline unsigned v_lt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+/* a + b in the lanes of the mask, a in the others. */
+static inline vf v_add_where(vf a, vf b, unsigned mask) { return _mm512_mask_add_ps(a, (__mmask16)mask, a, b); }
 static inline vf v_bytes(const int8_t *p)
 {
     return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p)));
@@ -56,6 +58,12 @@ static inline vf v_min(vf a, vf b) { return _mm256_min_ps(a, b); }
 static inline void v_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
 static inline unsigned v_le(vf a, vf b) { return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)); }
 static inline unsigned v_lt(vf a, vf b) { return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)); }
+static inline vf v_add_where(vf a, vf b, unsigned mask)
+{
+    const __m256i bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+    const __m256i lanes = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int)mask), bits), bits);
+    return _mm256_add_ps(a, _mm256_and_ps(b, _mm256_castsi256_ps(lanes)));
+}
 static inline vf v_bytes(const int8_t *p)
 {
     return _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p)));
@@ -93,6 +101,12 @@ static inline vf v_min(vf a, vf b) { return _mm_min_ps(a, b); }
 static inline void v_store(float *p, vf a) { _mm_storeu_ps(p, a); }
 static inline unsigned v_le(vf a, vf b) { return (unsigned)_mm_movemask_ps(_mm_cmple_ps(a, b)); }
 static inline unsigned v_lt(vf a, vf b) { return (unsigned)_mm_movemask_ps(_mm_cmplt_ps(a, b)); }
+static inline vf v_add_where(vf a, vf b, unsigned mask)
+{
+    const __m128i bits = _mm_set_epi32(8, 4, 2, 1);
+    const __m128i lanes = _mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int)mask), bits), bits);
+    return _mm_add_ps(a, _mm_and_ps(b, _mm_castsi128_ps(lanes)));
+}
 static inline vf v_bytes(const int8_t *p)
 {
     int32_t four;
@@ -147,6 +161,7 @@ static inline vf v_sub(vf a, vf b) { PM__LANEWISE(a.lane[i] - b.lane[i]); }
 static inline vf v_mul(vf a, vf b) { PM__LANEWISE(a.lane[i] * b.lane[i]); }
 static inline vf v_max(vf a, vf b) { PM__LANEWISE(a.lane[i] > b.lane[i] ? a.lane[i] : b.lane[i]); }
 static inline vf v_min(vf a, vf b) { PM__LANEWISE(a.lane[i] < b.lane[i] ? a.lane[i] : b.lane[i]); }
+static inline vf v_add_where(vf a, vf b, unsigned mask) { PM__LANEWISE(mask >> i & 1 ? a.lane[i] + b.lane[i] : a.lane[i]); }
 static inline vf v_bytes(const int8_t *p) { PM__LANEWISE((float)p[i]); }
 static inline void v_store(float *p, vf a) { memcpy(p, a.lane, sizeof a.lane); }
 static inline unsigned v_le(vf a, vf b)

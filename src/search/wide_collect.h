@@ -185,14 +185,20 @@ static float guess_radius2(const pm_map *map, const pm__query *query, const desc
     if (e2 > e0) { t = e0; e0 = e2; e2 = t; }
     if (e2 > e1) { t = e1; e1 = e2; e2 = t; }
     const float k = (float)query->k, share = k / (float)photons_under(map, d);
-    float r = sqrtf(share * e0 * e1 * 0.31831f);
-    if (e2 > 0.5f * e1)
-        r = cbrtf(share * e0 * e1 * e2 * 0.238732f);
+    const float scatter = GUESS_MARGIN * (1.0f + GUESS_NOISE / sqrtf(k));
+    float r2 = share * e0 * e1 * 0.31831f;
+    if (e2 > 0.5f * e1) {
+        const float r = cbrtf(share * e0 * e1 * e2 * 0.238732f);
+        r2 = r * r;
+    }
     const float line = 0.5f * share * e0;
-    if (r < 0.03f * line) /* nearly a line, or all in one point */
-        r = line;
-    r = GUESS_MARGIN * r + sqrtf(d->distance2);
-    const float r2 = r * r * (1.0f + GUESS_NOISE / sqrtf(k));
+    if (r2 < 1e-3f * line * line) /* nearly a line, or all in one point */
+        r2 = line * line;
+    r2 *= scatter;
+    if (d->distance2 > 0.0f) {
+        const float r = sqrtf(r2) + sqrtf(d->distance2);
+        r2 = r * r;
+    }
     return !(r2 > FLT_MIN) ? FLT_MIN : r2 < query->max_distance2 ? r2 : query->max_distance2;
 }
 

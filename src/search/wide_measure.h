@@ -18,7 +18,7 @@ enum {
 };
 
 /* How much wider than the box's density says, and how much for the scatter of k: the cost of too many against too few. */
-#define GUESS_MARGIN 1.08f
+#define GUESS_MARGIN 1.1f
 #define GUESS_NOISE 1.2f
 
 typedef struct collector {

@@ -82,10 +82,45 @@ static size_t divide(collector *c, float low, float high, pm_neighbor *middle, s
     return kept;
 }
 
+enum { FEW = 32 };
+
+/* Few candidates: each one's rank is the number of those before it, counted at once for all by comparing each with every
+ * other. False where distances tie, which the ids must decide. */
+static bool select_by_rank(collector *c, size_t k)
+{
+    float d2[FEW];
+    uint32_t numbers[FEW];
+    unsigned chosen[FEW / V], total = 0;
+    for (size_t i = c->count; i < FEW; i++)
+        c->d2[i] = INFINITY;
+    for (unsigned at = 0; at < FEW; at += V) {
+        const vf mine = v_load(c->d2 + at), one = v_set(1.0f);
+        vf rank = v_set(0.0f);
+        for (size_t j = 0; j < c->count; j++)
+            rank = v_add_where(rank, one, v_lt(v_set(c->d2[j]), mine));
+        chosen[at / V] = v_lt(rank, v_set((float)k));
+        total += v_bits(chosen[at / V]);
+    }
+    if (total != k)
+        return false;
+    memcpy(d2, c->d2, sizeof d2);
+    memcpy(numbers, c->number, sizeof numbers);
+    size_t kept = 0;
+    for (unsigned at = 0; at < FEW; at += V) {
+        v_compress(c->d2 + kept, v_load(d2 + at), chosen[at / V]);
+        v_compress_bits(c->number + kept, numbers + at, chosen[at / V]);
+        kept += v_bits(chosen[at / V]);
+    }
+    c->count = k;
+    return true;
+}
+
 /* Leaves the k nearest (distance2, id) of more than k candidates. On a surface d2 is nearly uniform, so interpolation
  * finds a threshold with k below it in a few passes; ties and clusters are parted one by one. */
 static void select_best(collector *c, const uint32_t *ids, size_t k)
 {
+    if (c->count <= FEW && select_by_rank(c, k))
+        return;
     pm_neighbor middle[CAPACITY + PM__LANES];
     float low = -1.0f, high = c->bound;
     size_t below = 0, up_to = c->count, middle_count = 0;
@@ -97,13 +132,11 @@ static void select_best(collector *c, const uint32_t *ids, size_t k)
         if (!(t > low && t < high))
             break;
         const size_t count = count_up_to(c, t);
-        if (count >= k) {
-            high = t;
-            up_to = count;
-        } else {
-            low = t;
-            below = count;
-        }
+        const bool enough = count >= k; /* which side is a coin's toss: selected, not branched on */
+        high = enough ? t : high;
+        low = enough ? low : t;
+        up_to = enough ? count : up_to;
+        below = enough ? below : count;
     }
     if (up_to == k)
         low = high;

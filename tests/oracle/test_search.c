@@ -28,7 +28,7 @@ static void make_cloud(int cloud, size_t count, pm_photon *photons)
                 x = a == 2 ? 0.0 : i % 2 ? x : 0.01 * x;
             else if (cloud == 5)
                 x = 1000.0 + x;
-            else if (cloud == 6 && i % 100)
+            else if (cloud == 6 && i % 400)
                 x = 0.5 + 1e-6 * x;
             else if (cloud == 7)
                 x = a == 0 ? (double)i / (double)count : 0.5;
@@ -253,11 +253,12 @@ START_TEST(ties_go_to_the_lower_index)
 }
 END_TEST
 
-/* Radii from 0 (at a photon: it and its duplicates) over some hits to far more than the whole cloud. */
+/* Radii from 0 (at a photon: it and its duplicates) over some hits to far more than the whole cloud; in the coarse grid
+ * some lie exactly on the rim, which is inclusive. */
 START_TEST(fixed_radii_find_all_and_say_how_many)
 {
     enum { COUNT = 2000 };
-    static const float radii[] = {0.0f, 1e-30f, 1e-12f, 3e-7f, 1e-4f, 0.01f, 0.07f, 0.3f, 1.0f, 7.0f, 1e5f, 3e38f};
+    static const float radii[] = {0.0f, 1e-30f, 3e-7f, 1e-4f, 0.01f, 0.07f, 0.125f, 0.25f, 0.3f, 1.0f, 7.0f, 1e5f, 3e38f};
     pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
     hit *const hits = pm__alloc(COUNT, sizeof *hits);
     for (int cloud = 0; cloud < CLOUDS; cloud++) {
