@@ -18,7 +18,7 @@ typedef struct key {
 static const key search_keys[] = {{"search", true, true},   {"case", true, true},    {"photons", false, true},
                                   {"kind", true, false},    {"k", false, false},     {"radius", false, false},
                                   {"batch", false, false},  {"order", true, false},  {"threads", false, false},
-                                  {"baseline", true, false}};
+                                  {"baseline", true, false}, {"lookup", true, false}, {"front", true, false}};
 static const key accuracy_keys[] = {{"case", true, true},     {"region", true, true},  {"estimator", true, true},
                                     {"kind", true, false},    {"k", false, false},     {"radius", false, false},
                                     {"lookup", true, false},  {"front", true, false},  {"photons", false, true},

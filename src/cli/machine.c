@@ -2,6 +2,8 @@
 #include "results.h"
 #include "parallel.h"
 
+#include "../search/wide.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,13 +46,20 @@ static json_t *text_or_null(char *text)
     return value ? value : json_null();
 }
 
+/* The width that maps use unless told otherwise. */
+static char *simd_width(void)
+{
+    pm_simd simd;
+    return pm__choose_simd(PM_SIMD_AUTO, &simd, NULL) == PM_OK ? strdup(pm__simd_name(simd)) : NULL;
+}
+
 json_t *pm__machine(void)
 {
     double load;
     json_t *const machine = json_object();
     (void)json_object_set_new(machine, "cpu", text_or_null(find_line("/proc/cpuinfo", "model name")));
     (void)json_object_set_new(machine, "cores", json_integer(pm__usable_processors()));
-    (void)json_object_set_new(machine, "simd", json_string("scalar"));
+    (void)json_object_set_new(machine, "simd", text_or_null(simd_width()));
     (void)json_object_set_new(machine, "governor",
                               text_or_null(find_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "")));
     (void)json_object_set_new(machine, "load", getloadavg(&load, 1) == 1 ? json_real(load) : json_null());
