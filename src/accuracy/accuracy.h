@@ -36,9 +36,11 @@ typedef struct pm__accuracy_config {
     uint64_t seed;
     bool timing;          /* measure ns_per_query and cost_s, on one thread; off: they are NAN */
     const pm_parallel *parallel; /* NULL: serial */
+    size_t threads;       /* how many trials `parallel` runs at once, each with maps of its own; 0 counts as 1 */
+    double memory;        /* bytes that a case may take; 0: as many as it wants */
 
     /* Optional. progress: work done so far as a fraction, and the case in hand; may be called from any thread,
-     * one at a time. canceled: asked between trials; true stops at the end of the case before. */
+     * one at a time. canceled: asked now and then, from any thread; true stops at the end of the case before. */
     void (*progress)(void *context, double fraction, const char *what);
     bool (*canceled)(void *context);
     void *context;
@@ -71,7 +73,8 @@ typedef struct pm__accuracy_row {
 } pm__accuracy_row;
 
 /* Rows by case, sampler, photons, region, estimator, k. *rows is malloc'ed and the caller's (free). ECANCELED: the
- * rows of the cases that were complete are there all the same. EINVAL names the combination: k above the number
+ * rows of the cases that were complete are there all the same. ENOMEM, too where a case would need more than `memory`:
+ * found out before it starts. EINVAL names the combination: k above the number
  * of photons (or below what an estimator needs a map), no k and no radius. A combination that an estimator cannot
  * do at all (the hull in a volume) has a row with status "unsupported". */
 pm_status pm__accuracy_run(const pm__accuracy_config *config, pm__accuracy_row **rows, size_t *row_count,

@@ -63,6 +63,11 @@ typedef struct pm__job {
     void *owner;
 } pm__job;
 
+static inline bool pm__is_canceled(const pm__accuracy_config *config)
+{
+    return config->canceled && config->canceled(config->context);
+}
+
 /* The maps of one trial. */
 typedef struct pm__trial_maps {
     pm_map *map;

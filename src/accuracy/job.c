@@ -77,7 +77,8 @@ static pm_status plan_probes(pm__job *job)
     job->first[regions] = job->probe_count;
     free(keyed);
     for (size_t q = 0; q < c->probes_all; q++)
-        job->truth_mean += fabs(job->truth[q]) / (double)c->probes_all;
+        job->truth_mean += fabs(job->truth[q]);
+    job->truth_mean /= (double)c->probes_all;
     return PM_OK;
 }
 
@@ -233,6 +234,51 @@ static pm_status plan_candidates(pm__job *job)
     return PM_OK;
 }
 
+/* Bytes of one trial's maps at their fullest. MAP: a photon's share of the largest of the searches' structures, its
+ * direction and power included; BUILDING: what only the build needs. */
+static double trial_bytes(const pm__job *job)
+{
+    enum { MAP = 56, BUILDING = 16, NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]), ORDER = sizeof(uint64_t) };
+    const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
+    double held = photon + MAP + deals * MAP, passing = BUILDING + (job->deal_count ? photon : 0.0);
+    for (size_t f = 0; f < job->fraction_count; f++) {
+        held += job->fractions[f] * (MAP + NUMBER + NORMAL);
+        passing = fmax(passing, job->fractions[f] * (ORDER + photon + BUILDING));
+    }
+    if (job->fraction_count)
+        held += NORMAL;
+    return (double)job->photons * (held + passing);
+}
+
+static double probe_count_of(const pm__job *job)
+{
+    const pm__accuracy_config *const c = job->config;
+    return (double)c->probes_all + (double)(job->subject->region_count - 1) * (double)c->probes_region;
+}
+
+static double result_bytes(const pm__job *job)
+{
+    const double variants = (double)job->variant_count, trials = (double)job->config->trials;
+    const double choices = (double)(job->oracle_count * job->candidate_count);
+    const double errors = (variants + choices) * trials * sizeof(float), theory = (2.0 * variants + choices) * sizeof(double);
+    return probe_count_of(job) * (errors + theory + sizeof(pm__probe) + sizeof(double) + sizeof(keyed_probe));
+}
+
+/* A system that promises more memory than it has kills who takes it at its word: so ask first. */
+static pm_status check_memory(const pm__job *job, pm_error *error)
+{
+    const pm__accuracy_config *const c = job->config;
+    const size_t threads = c->threads ? c->threads : 1, at_once = threads < c->trials ? threads : c->trials;
+    const double needed = result_bytes(job) + (double)at_once * trial_bytes(job);
+    if (!(c->memory > 0.0) || needed <= c->memory)
+        return PM_OK;
+    return pm__fail(error, PM_ENOMEM,
+                    "case %s: %zu photons a map with %zu at once, %zu trials and %.0f probes take %.3g GB of memory; "
+                    "%.3g GB are free",
+                    job->case_spec->entry->name, job->photons, at_once, c->trials, probe_count_of(job), 1e-9 * needed,
+                    1e-9 * c->memory);
+}
+
 static pm_status allocate_results(pm__job *job)
 {
     const size_t trials = job->config->trials, plane = trials * job->probe_count;
@@ -262,16 +308,19 @@ pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm
     job->sampler_spec = sampler_spec;
     job->asked_photons = photons;
     job->photons = pm__drawn_count(job, photons);
-    pm_status status = plan_probes(job);
-    if (status == PM_OK)
-        status = plan_variants(job, error);
+    pm_status status = plan_variants(job, error);
     if (status == PM_OK)
         status = plan_candidates(job);
     if (status == PM_OK)
-        status = allocate_results(job);
-    if (status == PM_ENOMEM)
-        (void)pm__fail(error, status, "out of memory for %zu variants of %zu trials with %zu probes",
-                       job->variant_count, config->trials, job->probe_count);
+        status = check_memory(job, error);
+    if (status == PM_OK) {
+        status = plan_probes(job);
+        if (status == PM_OK)
+            status = allocate_results(job);
+        if (status != PM_OK)
+            (void)pm__fail(error, status, "out of memory for %zu variants of %zu trials with %.0f probes",
+                           job->variant_count, config->trials, probe_count_of(job));
+    }
     if (status != PM_OK)
         pm__job_free(job);
     return status;

@@ -46,8 +46,8 @@ typedef struct pm__law_grid {
     double cut_mean, cut_square;    /* E[j; cut], E[j^2; cut] of the number j found */
 } pm__law_grid;
 
-/* with_inner: false leaves out what kernels other than the disc need. k = 0: fixed radius. radius: INFINITY where nothing cuts. False where fewer than k may be accepted and nothing cuts:
- * that estimate has no law here. */
+/* with_inner: false leaves out what kernels other than the disc need. k = 0: fixed radius. radius: INFINITY where
+ * nothing cuts. False where fewer than k may be accepted and nothing cuts: that estimate has no law here. */
 bool pm__law_grid_init(pm__law_grid *grid, const pm__law_rule *rule, bool with_inner, const pm__radial *radial,
                        size_t k, size_t photons, double radius);
 

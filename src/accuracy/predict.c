@@ -126,6 +126,8 @@ static void predict_probe(const prediction *p, size_t probe, bool *done)
 static void predict_block(void *argument, size_t block)
 {
     const prediction *const p = argument;
+    if (pm__is_canceled(p->job->config))
+        return;
     bool *const done = pm__alloc(p->job->variant_count, sizeof *done);
     if (!done)
         return; /* no prediction is the honest answer */
@@ -190,5 +192,5 @@ pm_status pm__predict(pm__job *job)
         pm__for(job->config->parallel, (job->probe_count + BLOCK - 1) / BLOCK, predict_block, &p);
     free(p.laws);
     free(p.has_law);
-    return PM_OK;
+    return pm__is_canceled(job->config) ? PM_ECANCELED : PM_OK;
 }

@@ -98,7 +98,7 @@ static pm_status run_batch(stopwatch *w, size_t queries, double *seconds)
 /* Median over batches; the first run only warms up and sizes the batches. */
 static pm_status time_queries(stopwatch *w, double *ns, pm__interval *ci95)
 {
-    double seconds[BATCHES];
+    double seconds[BATCHES] = {0.0};
     pm_status status = run_batch(w, 2 * MINIMUM_QUERIES, &seconds[0]);
     size_t queries = (size_t)fmin(batch_seconds / fmax(seconds[0], 1e-9), 1e4);
     queries = queries < MINIMUM_QUERIES ? MINIMUM_QUERIES : queries;
@@ -244,6 +244,8 @@ pm_status pm__time_variants(const pm__job *job, pm__timing *timings)
         const pm__interval none = {NAN, NAN};
         timings[v] = (pm__timing){NAN, none, NAN};
         w.variant = &job->variants[v];
+        if (status == PM_OK && pm__is_canceled(job->config))
+            status = PM_ECANCELED;
         if (status == PM_OK && !w.variant->unsupported && !(w.variant->estimator->needs & PM__TRUTH))
             status = time_variant(&w, &setup, &timings[v]);
     }

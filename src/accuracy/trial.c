@@ -3,6 +3,8 @@
 
 #include "../base/memory.h"
 
+enum { BETWEEN_QUESTIONS = 256 }; /* probes between two looks at whether to stop */
+
 /* Where an error goes. */
 static float *cell(const pm__job *job, size_t variant, size_t trial, size_t probe)
 {
@@ -122,7 +124,7 @@ void pm__run_trial(void *argument, size_t trial)
 {
     pm__job *const job = argument;
     const pm__accuracy_config *const config = job->config;
-    if (config->canceled && config->canceled(config->context)) {
+    if (pm__is_canceled(config)) {
         job->trial_status[trial] = PM_ECANCELED;
         return;
     }
@@ -137,7 +139,7 @@ void pm__run_trial(void *argument, size_t trial)
                      .trial = trial};
     status = pm_workspace_create(job->max_k, &run.lookup.workspace);
     for (; run.probe < job->probe_count && status == PM_OK; run.probe++)
-        status = run_probe(&run);
+        status = run.probe % BETWEEN_QUESTIONS == 0 && pm__is_canceled(config) ? PM_ECANCELED : run_probe(&run);
     pm_workspace_destroy(run.lookup.workspace);
     pm__trial_maps_destroy(&maps);
     job->trial_status[trial] = status;

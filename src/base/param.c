@@ -112,7 +112,7 @@ static pm_status parse_number(const pm__param *param, piece text, double *value)
         return PM_EINVAL;
     if (!(number >= param->min && number <= param->max))
         return PM_EINVAL;
-    *value = number;
+    *value = number == 0.0 ? 0.0 : number; /* -0 is 0 to the canonical form */
     return PM_OK;
 }
 

@@ -90,6 +90,8 @@ static void configure(const pm__settings *s, const pm_parallel *parallel, pm__ac
         .seed = s->seed,
         .timing = true,
         .parallel = parallel,
+        .threads = s->threads,
+        .memory = pm__free_memory(),
     };
 }
 

@@ -135,8 +135,9 @@ static void run_block(void *argument, size_t block)
                               .map_count = e->map_count,
                               .precomputed = e->precomputed,
                               .dimensions = 2};
+    const size_t room = e->lookup.k < e->photon_count ? e->lookup.k : e->photon_count;
     pm_workspace *workspace = NULL;
-    const pm_status created = e->canceled() ? PM_ECANCELED : pm_workspace_create(e->lookup.k, &workspace);
+    const pm_status created = e->canceled() ? PM_ECANCELED : pm_workspace_create(room, &workspace);
     for (size_t i = first; i < end; i++)
         e->statuses[i] = created ? created : run_point(e, i, &source, workspace);
     pm_workspace_destroy(workspace);

@@ -4,6 +4,7 @@
 
 #include "../search/wide.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,6 +52,24 @@ static char *simd_width(void)
 {
     pm_simd simd;
     return pm__choose_simd(PM_SIMD_AUTO, &simd, NULL) == PM_OK ? strdup(pm__simd_name(simd)) : NULL;
+}
+
+/* The number at the start of a file's line, in units of `unit`; INFINITY where there is none. */
+static double bytes_in(const char *path, const char *prefix, double unit)
+{
+    char *const line = find_line(path, prefix), *end = NULL;
+    const double number = line ? strtod(line, &end) : 0.0;
+    const bool found = line && end != line;
+    free(line);
+    return found ? unit * number : INFINITY;
+}
+
+double pm__free_memory(void)
+{
+    const double group = fmin(bytes_in("/sys/fs/cgroup/memory.max", "", 1.0),
+                              bytes_in("/sys/fs/cgroup/memory/memory.limit_in_bytes", "", 1.0));
+    const double free_bytes = fmin(bytes_in("/proc/meminfo", "MemAvailable", 1024.0), group);
+    return isfinite(free_bytes) ? free_bytes : 0.0;
 }
 
 json_t *pm__machine(void)

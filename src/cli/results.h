@@ -78,6 +78,9 @@ void pm__write_markdown(FILE *file, const pm__results *results);
 /* The "machine" object; NULL if out of memory. machine.c */
 json_t *pm__machine(void);
 
+/* Bytes that may still be taken, by the system's word and the control group's; 0 where neither says. machine.c */
+double pm__free_memory(void);
+
 /* Where one kind of output goes. */
 typedef struct pm__sink {
     bool wanted, is_stdout;

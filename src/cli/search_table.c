@@ -42,7 +42,7 @@ static void ratio_text(double ratio, pm__interval ci95, char text[48])
     const double half = 0.5 * (ci95.high - ci95.low);
     const int digits = ratio < 9.995 ? 2 : 1;
     if (half > 0.3 * ratio) /* so wide that the interval's two sides differ */
-        (void)snprintf(text, 48, "%.*f (%.3g-%.3g)", digits, ratio, ci95.low, ci95.high);
+        (void)snprintf(text, 48, "%.*f (%.2g-%.2g)", digits, ratio, ci95.low, ci95.high);
     else
         (void)snprintf(text, 48, "%.*f ± %.*f", digits, ratio, digits, half);
 }
@@ -57,7 +57,7 @@ static void print_head(FILE *file, const pm__search_row *row)
         (void)snprintf(kind, sizeof kind, "within %.8s m (%.0f photons)", radius, row->count);
     (void)fprintf(file, "%.40s, %zu photons, %s, queries in %s order\n", row->case_name, row->photons, kind,
                   row->coherent ? "coherent" : "random");
-    (void)fprintf(file, "  %-30s %10s  %-19s %16s %7s  %s\n", "", "build", " a query", "times as fast", "bytes", "");
+    (void)fprintf(file, "  %-26s %10s  %-19s %16s %7s  %s\n", "", "build", " a query", "times as fast", "bytes", "");
 }
 
 /* ± is two bytes in one column. */
@@ -74,7 +74,7 @@ static void print_row(FILE *file, const pm__search_row *row)
     if (isfinite(row->ns) && row->ns > 0.0)
         (void)snprintf(low, sizeof low, "± %.1f %%", 50.0 * (row->ns_ci95.high - row->ns_ci95.low) / row->ns);
     ratio_text(row->ratio, row->ratio_ci95, ratio);
-    (void)fprintf(file, "  %-30.30s %7.*f ms  %9s %-*s ", name, row->build_ms < 9.95 ? 2 : 0, row->build_ms, ns,
+    (void)fprintf(file, "  %-26.26s %7.*f ms  %9s %-*s ", name, row->build_ms < 9.95 ? 2 : 0, row->build_ms, ns,
                   *low ? 10 : 9, low);
     put_ratio(file, ratio);
     (void)fprintf(file, " %7.1f  %s\n", row->bytes_per_photon, strcmp(row->status, "ok") == 0 ? "exact" : row->status);

@@ -19,6 +19,8 @@ pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_opt
     pm_map_options chosen = {.split = PM_SPLIT_EXTENT};
     if (options)
         chosen = *options;
+    if (chosen.split != PM_SPLIT_EXTENT && chosen.split != PM_SPLIT_VARIANCE)
+        return pm__fail(error, PM_EINVAL, "split rule %d is none", (int)chosen.split);
     if (!chosen.search)
         chosen.search = default_search();
     const pm_status status = pm__choose_simd(chosen.simd, &chosen.simd, error);

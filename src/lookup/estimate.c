@@ -91,6 +91,9 @@ static pm_status check_request(const pm__spec *spec, const pm_source *source, co
         return PM_EINVAL;
     if (source->map_count != maps || !source->maps)
         return PM_EINVAL;
+    for (size_t m = 0; m < maps; m++)
+        if (!source->maps[m])
+            return PM_EINVAL;
     if (query->k && query->k / maps < estimator->min_k)
         return PM_EINVAL;
     if (estimator->needs & PM__TRUTH)
@@ -107,13 +110,26 @@ static bool unit_normal(const pm_query *query, float normal[3])
     return length > 0.0 && length < INFINITY;
 }
 
-/* r of the region: with several maps the root of the mean square, as the pooled estimate has it. */
+/* r of the region: with several maps the root of the mean square over those that have one, as the pooled estimate has
+ * it. */
 static double region_radius(const pm__lookup *lookup)
 {
-    double sum = 0.0;
-    for (size_t s = 0; s < lookup->set_count; s++)
+    double sum = 0.0, regions = 0.0;
+    for (size_t s = 0; s < lookup->set_count; s++) {
         sum += lookup->sets[s].radius2;
-    return sqrt(sum / (double)lookup->set_count) * lookup->unit;
+        regions += lookup->sets[s].cut || lookup->sets[s].count ? 1.0 : 0.0;
+    }
+    return regions > 0.0 ? sqrt(sum / regions) * lookup->unit : 0.0;
+}
+
+/* The coarsest unit of the maps that hold photons, so that squares in it neither over- nor underflow. */
+static double common_unit(const pm_source *source)
+{
+    double unit = 0.0;
+    for (size_t m = 0; m < source->map_count; m++)
+        if (source->maps[m]->count)
+            unit = fmax(unit, source->maps[m]->unit);
+    return unit > 0.0 ? unit : 1.0;
 }
 
 pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, const pm_query *query,
@@ -131,7 +147,7 @@ pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, co
     if (status != PM_OK)
         return status;
 
-    const pm__gathering gathering = {source, source->maps[0]->unit, query->sorted || (needs & PM__SORTED),
+    const pm__gathering gathering = {source, common_unit(source), query->sorted || (needs & PM__SORTED),
                                      needs & PM__OFFSETS};
     for (size_t m = 0; m < source->map_count && status == PM_OK; m++) {
         pm_query part = *query;

@@ -51,7 +51,7 @@ static void read_photons(const pm_map *map, const pm__query *prepared, const pm_
     }
 }
 
-/* The largest distance2 found: of the last photon where they are sorted, else of any. */
+/* The largest distance2 found; 0 where nothing was. */
 static float farthest_distance2(const pm_workspace *workspace, size_t count)
 {
     float farthest = 0.0f;

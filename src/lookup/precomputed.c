@@ -93,7 +93,7 @@ static void eager_block(void *argument, size_t block)
     eager_work *const work = argument;
     pm_precomputed *const p = work->precomputed;
     pm_workspace *workspace = NULL;
-    pm_status status = pm_workspace_create(p->lookup.k, &workspace);
+    pm_status status = pm_workspace_create(p->lookup.k < p->map->count ? p->lookup.k : p->map->count, &workspace);
     for (size_t i = block * BLOCK; i < p->carriers.count && i < (block + 1) * BLOCK && status == PM_OK; i++) {
         pm_estimation estimation = {{0.0, 0.0, 0.0}, 0.0, 0};
         status = fetch(p, i, workspace, &estimation);

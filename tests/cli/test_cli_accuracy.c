@@ -230,6 +230,45 @@ START_TEST(interrupted)
 }
 END_TEST
 
+/* Not even a single trial that takes minutes keeps the program from stopping. */
+START_TEST(interrupted_in_a_long_trial)
+{
+    const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();
+    char json[PM__TEST_PATH], out[PM__TEST_PATH], err[PM__TEST_PATH], arguments[2 * PM__TEST_PATH];
+    (void)snprintf(arguments, sizeof arguments,
+                   "accuracy --case square --estimator disc --k 2000 --trials 2 --probes 3000000 --json %s",
+                   pm__test_path(&place, "a.json", json));
+    const pid_t child =
+        pm__start(arguments, pm__test_path(&streams, "out", out), pm__test_path(&streams, "err", err));
+    for (int i = 0; i < 1000 && !pm__test_directory_entries(&place, 0); i++)
+        pause_ms(5);
+    pause_ms(3000); /* into the trials */
+    const time_t asked = time(NULL);
+    ck_assert_int_eq(kill(child, SIGTERM), 0);
+    ck_assert_int_eq(pm__wait(child), 130);
+    ck_assert_int_le(time(NULL) - asked, 20);
+    ck_assert_int_eq(pm__test_directory_entries(&place, 0), 1);
+    pm__test_directory_remove(&place);
+    pm__test_directory_remove(&streams);
+}
+END_TEST
+
+/* What does not fit is refused before it is begun, not begun until the system kills it. */
+START_TEST(more_than_memory_holds)
+{
+    const char *const requests[] = {"--photons 1000000000 --trials 2 --threads 2 --estimator disc --k 5",
+                                    "--photons 1000 --trials 10000000 --probes 10000000 --estimator disc --k 5",
+                                    "--photons 500000000 --trials 200 --threads 200 --estimator combined --k 50"};
+    for (size_t i = 0; i < sizeof requests / sizeof *requests; i++) {
+        char arguments[300];
+        (void)snprintf(arguments, sizeof arguments, "accuracy --case square %s", requests[i]);
+        const time_t start = time(NULL);
+        ck_assert_str_eq(pm__expect(arguments, 4, "GB of memory")->out, "");
+        ck_assert_int_le(time(NULL) - start, 5);
+    }
+}
+END_TEST
+
 /* Runs on a terminal of its own, which standard error shares. */
 static const char *on_terminal(const char *arguments, const char *term, const char *no_colour)
 {
@@ -273,4 +312,5 @@ START_TEST(terminals)
 END_TEST
 
 PM_TEST_MAIN("cli accuracy", json_has_the_contract, fixed_radius, a_volume_has_no_hull, threads_do_not_matter,
-             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted, terminals)
+             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted,
+             interrupted_in_a_long_trial, more_than_memory_holds, terminals)

@@ -214,6 +214,21 @@ START_TEST(order_of_many_queries)
 }
 END_TEST
 
+/* Any k is min(k, N), and takes no more memory than that. */
+START_TEST(k_beyond_the_photons)
+{
+    for (int i = 0; i < 2; i++) {
+        const char *const form = i ? "--estimator precomputed --k %d --csv -" : "--k %d --csv -";
+        char rest[100];
+        (void)snprintf(rest, sizeof rest, form, 1000000000);
+        char *const far_beyond = strdup(pm__expect(command("p.ply", "q.ply", rest), 0, NULL)->out);
+        (void)snprintf(rest, sizeof rest, form, 1000);
+        ck_assert_str_eq(pm__expect(command("p.ply", "q.ply", rest), 0, NULL)->out, far_beyond);
+        free(far_beyond);
+    }
+}
+END_TEST
+
 START_TEST(dealing_follows_the_seed)
 {
     char *const one = strdup(pm__expect(command("p.ply", "q.ply", "--k 24 --estimator combined"), 0, NULL)->out);
@@ -258,7 +273,7 @@ END_TEST
 static Suite *suite(void)
 {
     const TTest *const tests[] = {equals_a_sum_by_hand, fixed_radius,
-                                  no_photons,           degenerate,
+                                  no_photons,           degenerate,   k_beyond_the_photons,
                                   every_estimator_and_thread_count, dealing_follows_the_seed,
                                   order_of_many_queries, bad_files,           outputs};
     Suite *const all = suite_create("cli estimate");

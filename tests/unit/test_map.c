@@ -47,7 +47,8 @@ START_TEST(invariants_hold_for_every_small_count)
         for (size_t count = 0; count <= 300; count++)
             for (int split = 0; split < 3; split++) { /* 2: the default structure */
                 pm_photon *const photons = random_photons(count, (uint32_t)count, levels);
-                const pm_map_options options = {.split = (pm_split)split, .search = split == 2 ? NULL : pm_search_find("recursive")};
+                const pm_map_options options = {.split = split == 1 ? PM_SPLIT_VARIANCE : PM_SPLIT_EXTENT,
+                                                .search = split == 2 ? NULL : pm_search_find("recursive")};
                 pm_map *map = NULL;
                 pm_error error;
                 PM_CHECK_OK(pm_map_create(photons, count, &options, &map, &error), error);

@@ -56,6 +56,7 @@ START_TEST(one_spec)
     check_canonical("range:near=3", "range:near=3,far=6", "range:near=3");
     check_canonical("range:near=3,far=7", "range:near=3,far=7", "range:near=3,far=7");
     check_canonical("range:far=2", "range:near=1,far=2", "range");
+    check_canonical("range:near=-0,far=7", "range:near=0,far=7", "range:near=0,far=7");
 }
 END_TEST
 
