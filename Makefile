@@ -42,6 +42,8 @@ SHARED = libphotonmap.so.$(VERSION)
 INTO = "$(DESTDIR)$(PREFIX)"
 # Kept in the build folder; what was compiled with others is compiled again.
 FLAGS = $(strip $(CC) $(PM_CFLAGS) $(OPENMP) $(LDFLAGS))
+# The kinds of tests that check and check-san run: all, unless named.
+KINDS ?=
 # The commands that install their dependencies build on all processors, unless make was told how many.
 PARALLEL = $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
@@ -96,7 +98,7 @@ tests: $(TESTS) ## builds the tests
 run-tests: tests lib program
 	$(Q)tests/structure.sh
 	$(Q)CC="$(CC)" tests/install.sh $(BUILD)
-	$(Q)tests/run.sh $(BUILD)
+	$(Q)tests/run.sh $(BUILD) $(KINDS)
 
 ##@ Dependencies
 deps: ## installs what the build and the tests need (as root; else names the apt line)
