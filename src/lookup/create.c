@@ -23,10 +23,19 @@ pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_opt
         return pm__fail(error, PM_EINVAL, "split rule %d is none", (int)chosen.split);
     if (!chosen.search)
         chosen.search = default_search();
-    const pm_status status = pm__choose_simd(chosen.simd, &chosen.simd, error);
+    pm_status status = pm__choose_simd(chosen.simd, &chosen.simd, error);
     if (status != PM_OK)
         return status;
-    return pm__map_build(photons, count, chosen.search->structure, &chosen, map, error);
+    status = pm__map_build(photons, count, chosen.search->structure, &chosen, map, error);
+    if (status != PM_OK || !chosen.search->finish)
+        return status;
+    status = chosen.search->finish(*map, chosen.parallel);
+    if (status != PM_OK) {
+        pm_map_destroy(*map);
+        *map = NULL;
+        return pm__fail(error, status, "a map of %zu photons: %s", count, pm_status_text(status));
+    }
+    return PM_OK;
 }
 
 pm_status pm_map_prepare(pm_map *map, const pm_search *search, const pm_parallel *parallel, pm_error *error)

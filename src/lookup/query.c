@@ -19,13 +19,14 @@ void pm_query_init(pm_query *query)
 /* A float that no sum of three squares overflows. */
 static float in_frame(double x)
 {
-    const double limit = 1e18;
-    return (float)fmin(fmax(x, -limit), limit);
+    const double limit = 1e18, above = x > -limit ? x : -limit;
+    return (float)(above < limit ? above : limit);
 }
 
 static float squared(double x)
 {
-    return (float)fmin(x * x, (double)FLT_MAX);
+    const double square = x * x;
+    return (float)(square < (double)FLT_MAX ? square : (double)FLT_MAX);
 }
 
 static pm_status prepare_shape(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error)
@@ -73,7 +74,7 @@ pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query 
         prepared->k = 1; /* an empty map: any k will do, 0 would mean a fixed radius */
     for (int a = 0; a < 3; a++)
         prepared->position[a] = in_frame(((double)query->position[a] - map->centre[a]) * map->inverse_unit);
-    prepared->max_distance2 = squared(fmin(radius * map->inverse_unit, 1e19));
+    prepared->max_distance2 = squared(radius * map->inverse_unit);
     if (query->front_only || query->shape != PM_LOOKUP_SPHERE) {
         double n[3] = {(double)query->normal[0], (double)query->normal[1], (double)query->normal[2]};
         if (!finite3(query->normal) || !(pm__normalize(n) > 0.0))

@@ -214,6 +214,7 @@ static void destroy(void *index)
         return;
     free(wide->level[0]);
     free(wide->facing);
+    free(wide->hints.cells);
     free(wide);
 }
 
@@ -223,7 +224,7 @@ static size_t bytes(const pm_map *map, const void *index)
     size_t nodes = 0;
     for (int t = 0; t < wide->levels; t++)
         nodes += wide->nodes[t];
-    return nodes * sizeof(pm__boxes) + map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
+    return nodes * sizeof(pm__boxes) + wide->hints.count * sizeof(pm__hint) + map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
 }
 
 const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true};

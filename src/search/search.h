@@ -41,6 +41,8 @@ struct pm_search {
     pm__entry entry;
     pm__structure_id structure;
     bool radius_only;
+    /* What a new map's structure is still to be told that takes a search; NULL: nothing. */
+    pm_status (*finish)(const pm_map *map, const pm_parallel *parallel);
     void (*find)(const pm_map *map, const pm__query *query, pm__result *result);
     /* Several at once; NULL: one by one. */
     void (*find_batch)(const pm_map *map, const pm__query *queries, pm__result *results, size_t count);

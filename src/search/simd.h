@@ -43,6 +43,19 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32((__mmask16)mask,
                                                          _mm512_add_epi32(_mm512_set1_epi32((int)base), lanes)));
 }
+/* Pairs of a and base + lane number of the lanes of the mask; nothing is written beyond them. */
+static inline void v_pairs(void *to, size_t room, vf a, uint32_t base, unsigned mask)
+{
+    const __m512i lanes = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    const __m512i first = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0);
+    const __m512i second = _mm512_add_epi32(first, _mm512_set1_epi32(8));
+    const __m512i value = _mm512_castps_si512(_mm512_maskz_compress_ps((__mmask16)mask, a));
+    const __m512i number = _mm512_maskz_compress_epi32((__mmask16)mask, _mm512_add_epi32(_mm512_set1_epi32((int)base), lanes));
+    const unsigned written = _pext_u32(mask, mask);
+    (void)room;
+    _mm512_mask_storeu_epi64(to, (__mmask8)written, _mm512_permutex2var_epi32(value, first, number));
+    _mm512_mask_storeu_epi64((char *)to + 64, (__mmask8)(written >> 8), _mm512_permutex2var_epi32(value, second, number));
+}
 
 #elif PM__SIMD_WIDTH == 8
 #include <immintrin.h>
@@ -85,6 +98,14 @@ static inline void v_compress_bits(uint32_t *to, const uint32_t *from, unsigned 
 static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
 {
     _mm256_storeu_si256((__m256i *)(void *)to, _mm256_add_epi32(_mm256_set1_epi32((int)base), v_order(mask)));
+}
+static inline void v_all_pairs(void *to, vf a, uint32_t base, unsigned mask)
+{
+    const __m256i order = v_order(mask), number = _mm256_add_epi32(_mm256_set1_epi32((int)base), order);
+    const __m256i value = _mm256_castps_si256(_mm256_permutevar8x32_ps(a, order));
+    const __m256i low = _mm256_unpacklo_epi32(value, number), high = _mm256_unpackhi_epi32(value, number);
+    _mm256_storeu_si256((__m256i *)to, _mm256_permute2x128_si256(low, high, 0x20));
+    _mm256_storeu_si256((__m256i *)(void *)((char *)to + 32), _mm256_permute2x128_si256(low, high, 0x31));
 }
 
 #elif PM__SIMD_WIDTH == 4
@@ -143,6 +164,13 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
 {
     _mm_storeu_si128((__m128i *)(void *)to, _mm_add_epi32(_mm_set1_epi32((int)base), v_order(mask)));
 }
+static inline void v_all_pairs(void *to, vf a, uint32_t base, unsigned mask)
+{
+    const __m128i order = v_order(mask), number = _mm_add_epi32(_mm_set1_epi32((int)base), order);
+    const __m128i value = _mm_shuffle_epi8(_mm_castps_si128(a), v_bytes_of_order(order));
+    _mm_storeu_si128((__m128i *)to, _mm_unpacklo_epi32(value, number));
+    _mm_storeu_si128((__m128i *)(void *)((char *)to + 16), _mm_unpackhi_epi32(value, number));
+}
 
 #else
 enum { V = 4 };
@@ -195,6 +223,31 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
     for (unsigned i = 0, n = 0; i < V; i++)
         if (mask >> i & 1)
             to[n++] = base + i;
+}
+static inline void v_all_pairs(void *to, vf a, uint32_t base, unsigned mask)
+{
+    char *next = to;
+    for (unsigned i = 0; i < V; i++)
+        if (mask >> i & 1) {
+            const uint32_t number = base + i;
+            memcpy(next, &a.lane[i], sizeof(float));
+            memcpy(next + 4, &number, sizeof number);
+            next += 8;
+        }
+}
+#endif
+
+#if PM__SIMD_WIDTH != 16
+/* Pairs of a and base + lane number of the lanes of the mask; nothing is written beyond `room` pairs. */
+static inline void v_pairs(void *to, size_t room, vf a, uint32_t base, unsigned mask)
+{
+    if (room >= V) {
+        v_all_pairs(to, a, base, mask);
+    } else {
+        char pairs[V * 8];
+        v_all_pairs(pairs, a, base, mask);
+        memcpy(to, pairs, (size_t)__builtin_popcount(mask) * 8);
+    }
 }
 #endif
 

@@ -39,6 +39,7 @@ const pm_search pm__search_wide = {
               .summary = "SIMD over 16-ary boxes and blocks of 16 photons; guesses a radius, collects, selects once",
               .citation = "this project"},
     .structure = PM__WIDE,
+    .finish = pm__wide_hint,
     .find = find,
     .find_batch = find_batch,
     .batch = PM__WIDE_BATCH,

@@ -16,6 +16,9 @@ extern const pm__wide_kernel pm__wide_plain;
 extern const pm__wide_kernel pm__wide_v2, pm__wide_avx2, pm__wide_avx512;
 #endif
 
+/* Fills the hints of a map's PM__WIDE structure: its own searches tell the local densities. ENOMEM is possible. */
+pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel);
+
 /* The width to use where `asked` is wanted; EINVAL where the processor lacks it, or PHOTONBENCH_SIMD names none. */
 pm_status pm__choose_simd(pm_simd asked, pm_simd *chosen, pm_error *error);
 const char *pm__simd_name(pm_simd simd);

@@ -2,7 +2,6 @@
 #ifndef PM_SEARCH_WIDE_MEASURE_H
 #define PM_SEARCH_WIDE_MEASURE_H
 
-
 #include "../map/wide.h"
 #include "result.h"
 #include "simd.h"
@@ -10,30 +9,11 @@
 
 #include <float.h>
 
-enum {
-    CAPACITY = 4096,     /* candidates; when they are full the k best are selected and the radius shrinks to them */
-    MOST_SELECTED = 1024, /* above this k a heap of k is kept instead */
-    LISTED = 128,        /* blocks listed (and fetched ahead) before they are scanned */
-    STACK = 16 * PM__WIDE_LEVELS
-};
-
-/* How much wider than the box's density says, and how much for the scatter of k: the cost of too many against too few. */
-#define GUESS_MARGIN 1.1f
-#define GUESS_NOISE 1.2f
-
-typedef struct collector {
-    float d2[CAPACITY + PM__LANES];
-    uint32_t number[CAPACITY + PM__LANES];
-    size_t count;
-    float bound; /* inclusive */
-} collector;
-
 typedef struct walk {
     const pm_map *map;
     const pm__wide *wide;
     const pm__query *query;
     pm__result *result;
-    collector *found;
 } walk;
 
 /* Squared distances to the 16 boxes of a node; which are within the bound. Empty boxes never are. */
@@ -88,8 +68,16 @@ static inline unsigned nearest_box(const pm__boxes *boxes, const pm__query *quer
     return best;
 }
 
-/* Squared distances of part of a block, in the order of operations of pm__measure; NAN where the shape rejects. */
-static inline vf measure(const pm__block *block, unsigned lane, const pm__query *q)
+/* What a box must be within to matter; see pm__reaches. Finite: an empty box, at infinity, must never be. */
+static inline float box_bound(const walk *w, float bound)
+{
+    const float widened = (bound + w->query->prune_slack) / w->query->prune_scale;
+    const float safe = w->query->prune_scale < 1.0f ? widened * (1.0f + 1e-6f) : widened;
+    return safe < FLT_MAX ? safe : FLT_MAX;
+}
+
+/* Squared distances of part of a block, in the order of operations of pm__measure, of any height. */
+static inline vf measure_shape(const pm__block *block, unsigned lane, const pm__query *q)
 {
     const vf x = v_sub(v_load(block->x + lane), v_set(q->position[0]));
     const vf y = v_sub(v_load(block->y + lane), v_set(q->position[1]));
@@ -133,6 +121,30 @@ static unsigned in_front(const walk *w, size_t block, unsigned lane, unsigned ma
             mask |= 1U << i << 16;
     }
     return front | mask >> 16;
+}
+
+/* Squared distances of part of a block; NAN where the query's shape or filter rejects. plain: a sphere, no filter. */
+static inline vf measure(const walk *w, size_t block, unsigned lane, const bool plain)
+{
+    const pm__block *const b = &w->map->blocks[block];
+    const pm__query *const q = w->query;
+    if (plain) {
+        const vf x = v_sub(v_load(b->x + lane), v_set(q->position[0]));
+        const vf y = v_sub(v_load(b->y + lane), v_set(q->position[1]));
+        const vf z = v_sub(v_load(b->z + lane), v_set(q->position[2]));
+        return v_add(v_add(v_mul(x, x), v_mul(y, y)), v_mul(z, z));
+    }
+    const vf d2 = measure_shape(b, lane, q);
+    const unsigned all = (1U << V) - 1;
+    unsigned mask = q->shape == PM_LOOKUP_DISC ? within_height(b, lane, q) : all;
+    if (q->front_only)
+        mask = in_front(w, block, lane, mask);
+    return v_add_where(d2, v_set(NAN), ~mask & all);
+}
+
+static inline bool is_plain(const pm__query *query)
+{
+    return query->shape == PM_LOOKUP_SPHERE && !query->front_only;
 }
 
 #endif

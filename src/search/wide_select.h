@@ -1,154 +1,152 @@
-/* Selection of the k best candidates. */
+/* Where to cut candidates so that k remain. */
 #ifndef PM_SEARCH_WIDE_SELECT_H
 #define PM_SEARCH_WIDE_SELECT_H
 
 #include "wide_measure.h"
 
-/* How many candidates are not beyond t. */
-static inline size_t count_up_to(const collector *c, float t)
+enum {
+    CAPACITY = 4096, /* candidates */
+    WINDOW = 32      /* so few are told apart by comparing each with every other */
+};
+
+/* Kept is what lies below distance2, and of what lies at it `ties`: those with the lowest ids; ALL_TIES: all. */
+typedef struct cut {
+    float distance2;
+    size_t ties;
+} cut;
+
+#define ALL_TIES SIZE_MAX
+
+static inline size_t count_up_to(const float *d2, size_t lanes, float t)
 {
     const vf limit = v_set(t);
     size_t count = 0;
-    for (size_t i = 0; i < c->count; i += V)
-        count += v_bits(v_le(v_load(c->d2 + i), limit));
+    for (size_t i = 0; i < lanes; i += V)
+        count += v_bits(v_le(v_load(d2 + i), limit));
     return count;
 }
 
-/* Quickselect for what interpolation cannot part: the `wanted` nearest of middle to its front. */
-static void part_middle(const uint32_t *ids, pm_neighbor *middle, size_t count, size_t wanted)
-{
-    uint64_t state = count;
-    while (count > 32) {
-        state = state * 6364136223846793005u + 1442695040888963407u;
-        const pm_neighbor pivot = middle[(state >> 33) % count];
-        size_t border = 0; /* those not farther than the pivot to the front */
-        for (size_t i = 0; i < count; i++) {
-            const pm_neighbor item = middle[i];
-            const bool near = !pm__farther(ids, item, pivot);
-            middle[i] = middle[border];
-            middle[border] = item;
-            border += near;
-        }
-        if (border == wanted)
-            return;
-        if (wanted < border) {
-            if (border == count) { /* the pivot is the farthest: set it apart */
-                for (size_t i = 0; i < count; i++)
-                    if (middle[i].number == pivot.number) {
-                        middle[i] = middle[count - 1];
-                        middle[count - 1] = pivot;
-                        break;
-                    }
-                count--;
-            } else {
-                count = border;
-            }
-        } else {
-            middle += border;
-            count -= border;
-            wanted -= border;
-        }
-    }
-    for (size_t i = 0; i < wanted; i++) {
-        size_t best = i;
-        for (size_t j = i + 1; j < count; j++)
-            if (pm__farther(ids, middle[best], middle[j]))
-                best = j;
-        const pm_neighbor item = middle[best];
-        middle[best] = middle[i];
-        middle[i] = item;
-    }
-}
-
-/* Compresses the candidates to those not beyond `low`; those in (low, high] go to middle. Returns how many are kept. */
-static size_t divide(collector *c, float low, float high, pm_neighbor *middle, size_t *middle_count)
+/* The values in (low, high] to the front of `to`, which has V more places than there are of them. */
+static inline size_t values_between(const float *d2, size_t lanes, float low, float high, float *to)
 {
     const vf lower = v_set(low), upper = v_set(high);
-    size_t kept = 0, between = 0;
-    for (size_t i = 0; i < c->count; i += V) {
-        const vf d2 = v_load(c->d2 + i);
-        const unsigned keep = v_le(d2, lower);
-        for (unsigned rest = v_le(d2, upper) & ~keep; rest; rest &= rest - 1) {
-            const size_t at = i + (size_t)__builtin_ctz(rest);
-            middle[between++] = (pm_neighbor){c->d2[at], c->number[at]};
+    size_t count = 0;
+    for (size_t i = 0; i < lanes; i += V) {
+        const vf value = v_load(d2 + i);
+        const unsigned mask = v_le(value, upper) & v_lt(lower, value);
+        v_compress(to + count, value, mask);
+        count += v_bits(mask);
+    }
+    return count;
+}
+
+/* Quickselect: the value of rank `wanted` (from 1). */
+static uint32_t value_of_rank(uint32_t *values, size_t count, size_t wanted)
+{
+    uint64_t state = count;
+    while (count > 1) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        const uint32_t pivot = values[(state >> 33) % count];
+        size_t below = 0, up_to = 0;
+        for (size_t i = 0; i < count; i++) {
+            const uint32_t value = values[i];
+            values[i] = values[below];
+            values[below] = value;
+            below += value < pivot;
         }
-        uint32_t numbers[PM__LANES];
-        memcpy(numbers, c->number + i, V * sizeof *numbers);
-        v_compress(c->d2 + kept, d2, keep);
-        v_compress_bits(c->number + kept, numbers, keep);
-        kept += v_bits(keep);
+        for (size_t i = below; i < count; i++)
+            up_to += values[i] == pivot;
+        if (wanted <= below) {
+            count = below;
+        } else if (wanted <= below + up_to) {
+            return pivot;
+        } else {
+            wanted -= below + up_to;
+            size_t kept = below;
+            for (size_t i = below; i < count; i++)
+                if (values[i] != pivot)
+                    values[kept++] = values[i];
+            values += below;
+            count = kept - below;
+        }
     }
-    *middle_count = between;
-    return kept;
+    return values[0];
 }
 
-enum { FEW = 32 };
-
-/* Few candidates: each one's rank is the number of those before it, counted at once for all by comparing each with every
- * other. False where distances tie, which the ids must decide. */
-static bool select_by_rank(collector *c, size_t k)
+/* Squared distances are not negative, so their bits are in their order. */
+static cut cut_many(float *values, size_t count, size_t wanted)
 {
-    float d2[FEW];
-    uint32_t numbers[FEW];
-    unsigned chosen[FEW / V], total = 0;
-    for (size_t i = c->count; i < FEW; i++)
-        c->d2[i] = INFINITY;
-    for (unsigned at = 0; at < FEW; at += V) {
-        const vf mine = v_load(c->d2 + at), one = v_set(1.0f);
-        vf rank = v_set(0.0f);
-        for (size_t j = 0; j < c->count; j++)
-            rank = v_add_where(rank, one, v_lt(v_set(c->d2[j]), mine));
-        chosen[at / V] = v_lt(rank, v_set((float)k));
-        total += v_bits(chosen[at / V]);
+    uint32_t bits[CAPACITY + PM__LANES];
+    memcpy(bits, values, count * sizeof *bits);
+    const uint32_t chosen = value_of_rank(bits, count, wanted);
+    float at;
+    memcpy(&at, &chosen, sizeof at);
+    size_t below = 0, equal = 0;
+    for (size_t i = 0; i < count; i++) {
+        below += values[i] < at;
+        equal += !(values[i] < at) && !(values[i] > at);
     }
-    if (total != k)
-        return false;
-    memcpy(d2, c->d2, sizeof d2);
-    memcpy(numbers, c->number, sizeof numbers);
-    size_t kept = 0;
-    for (unsigned at = 0; at < FEW; at += V) {
-        v_compress(c->d2 + kept, v_load(d2 + at), chosen[at / V]);
-        v_compress_bits(c->number + kept, numbers + at, chosen[at / V]);
-        kept += v_bits(chosen[at / V]);
-    }
-    c->count = k;
-    return true;
+    return (cut){at, below + equal == wanted ? ALL_TIES : wanted - below};
 }
 
-/* Leaves the k nearest (distance2, id) of more than k candidates. On a surface d2 is nearly uniform, so interpolation
- * finds a threshold with k below it in a few passes; ties and clusters are parted one by one. */
-static void select_best(collector *c, const uint32_t *ids, size_t k)
+/* Each one's rank is the number of those before it: counted at once for all. */
+static inline cut cut_few(float *values, size_t count, size_t wanted)
 {
-    if (c->count <= FEW && select_by_rank(c, k))
-        return;
-    pm_neighbor middle[CAPACITY + PM__LANES];
-    float low = -1.0f, high = c->bound;
-    size_t below = 0, up_to = c->count, middle_count = 0;
-    for (size_t i = c->count; i < c->count + V; i++)
-        c->d2[i] = NAN; /* no lane beyond the last is counted */
-    for (int pass = 0; pass < 8 && up_to != k && up_to - below > 6; pass++) {
-        const float from = low > 0.0f ? low : 0.0f;
-        const float t = from + (high - from) * ((float)(k - below) / (float)(up_to - below));
+    float found = 0.0f;
+    unsigned alike = 0;
+    values[count] = NAN; /* before nothing */
+    const vf one = v_set(1.0f), rank = v_set((float)(wanted - 1));
+    for (size_t at = 0; at < count; at += V) {
+        const vf mine = v_load(values + at);
+        vf before = v_set(0.0f), others = before;
+        for (size_t j = 0; j < count; j += 2) {
+            before = v_add_where(before, one, v_lt(v_set(values[j]), mine));
+            others = v_add_where(others, one, v_lt(v_set(values[j + 1]), mine));
+        }
+        before = v_add(before, others);
+        unsigned mask = v_le(before, rank) & v_le(rank, before);
+        if (count - at < V)
+            mask &= (1U << (count - at)) - 1;
+        if (mask)
+            found = values[at + (size_t)__builtin_ctz(mask)];
+        alike += v_bits(mask);
+    }
+    return alike == 1 ? (cut){found, ALL_TIES} : cut_many(values, count, wanted); /* ties, where there is not one */
+}
+
+/* The cut that leaves k of the `within` > k values up to `bound`. On a surface squared distances are nearly uniform, so
+ * interpolation comes close in two steps: each aims beyond k from the nearer end of the interval, so that the interval
+ * closes from both ends. */
+static inline cut cut_at(const float *d2, size_t lanes, size_t within, float bound, size_t k)
+{
+    float low = -1.0f, high = bound;
+    size_t below = 0, up_to = within;
+    for (int pass = 0; pass < 10 && up_to - below > WINDOW && up_to > k; pass++) {
+        const float inner = (float)(k - below), outer = (float)(up_to - k), from = low > 0.0f ? low : 0.0f;
+        const bool far_below = inner > outer;
+        const float beyond = 4.0f + 0.1f * (far_below ? outer : inner);
+        const float aim = far_below ? inner - beyond : inner + beyond;
+        const float t = from + (high - from) * (aim / (inner + outer));
         if (!(t > low && t < high))
             break;
-        const size_t count = count_up_to(c, t);
-        const bool enough = count >= k; /* which side is a coin's toss: selected, not branched on */
+        const size_t count = count_up_to(d2, lanes, t);
+        const bool enough = count >= k; /* which is a coin's toss: selected, not branched on */
         high = enough ? t : high;
         low = enough ? low : t;
         up_to = enough ? count : up_to;
         below = enough ? below : count;
     }
     if (up_to == k)
-        low = high;
-    const size_t kept = divide(c, low, high, middle, &middle_count);
-    if (kept < k) {
-        part_middle(ids, middle, middle_count, k - kept);
-        for (size_t i = 0; i < k - kept; i++) {
-            c->d2[kept + i] = middle[i].distance2;
-            c->number[kept + i] = middle[i].number;
-        }
-    }
-    c->count = k;
+        return (cut){high, ALL_TIES};
+    float values[CAPACITY + 2 * PM__LANES];
+    const size_t count = values_between(d2, lanes, low, high, values);
+    return count <= WINDOW ? cut_few(values, count, k - below) : cut_many(values, count, k - below);
+}
+
+/* The highest id to be kept of those that tie at a cut. */
+static uint32_t last_id(uint32_t *ids, size_t count, size_t ties)
+{
+    return ties == ALL_TIES ? UINT32_MAX : value_of_rank(ids, count, ties);
 }
 
 #endif

@@ -1,0 +1,136 @@
+/* Hints of where to begin and how wide: map/wide.h says what they are. */
+#include "wide.h"
+
+#include "../base/memory.h"
+#include "../base/parallel.h"
+#include "../map/wide.h"
+
+#include <stdlib.h>
+
+enum {
+    MINIMUM = 1 << 16, /* photons: below, the tree is low and a map is often searched less than it would pay for */
+    BLOCKS_A_CELL = 2, /* where there are photons */
+    SAMPLE = 1024,
+    CHUNK = 256
+};
+
+static int by_value(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static void middle_photon(const pm_map *map, size_t block, float position[3])
+{
+    const size_t first = block * PM__LANES, last = map->count - 1, middle = first + PM__LANES / 2;
+    pm__position(map, middle < last ? middle : last, position);
+}
+
+/* The range of the bulk of the photons along each axis, of a sample: outliers make no cell larger. */
+static void frame(const pm_map *map, float low[3], float extent[3])
+{
+    for (int a = 0; a < 3; a++) {
+        float sample[SAMPLE];
+        for (size_t i = 0; i < SAMPLE; i++) {
+            float position[3];
+            middle_photon(map, i * map->block_count / SAMPLE, position);
+            sample[i] = position[a];
+        }
+        qsort(sample, SAMPLE, sizeof *sample, by_value);
+        const float from = sample[SAMPLE / 200], to = sample[SAMPLE - 1 - SAMPLE / 200];
+        low[a] = from - 0.01f * (to - from);
+        extent[a] = 1.02f * (to - from);
+    }
+}
+
+/* At most `limit` cubes. */
+static void choose_cells(pm__hints *hints, const float low[3], const float extent[3], size_t limit)
+{
+    const float longest = fmaxf(extent[0], fmaxf(extent[1], extent[2]));
+    float along = (float)limit; /* the longest axis */
+    for (int step = 0; step < 200; step++, along *= 0.93f) {
+        double count = 1.0;
+        for (int a = 0; a < 3; a++) {
+            const float cells = longest > 0.0f ? floorf(along * (extent[a] / longest)) + 1.0f : 1.0f;
+            hints->low[a] = low[a];
+            hints->last[a] = cells - 1.0f;
+            hints->stride[a] = (size_t)count;
+            count *= (double)cells;
+        }
+        hints->count = (size_t)count;
+        hints->inverse_edge = longest > 0.0f && isfinite(along / longest) ? along / longest : 0.0f;
+        if (count <= (double)limit)
+            return;
+    }
+}
+
+/* Each cell gets the last block whose middle photon is there. Returns how many do. */
+static size_t name_blocks(const pm_map *map, const pm__hints *hints)
+{
+    size_t filled = 0;
+    for (size_t c = 0; c < hints->count; c++)
+        hints->cells[c].block = PM__HINT_NONE;
+    for (size_t block = 0; block < map->block_count; block++) {
+        float position[3];
+        middle_photon(map, block, position);
+        pm__hint *const hint = &hints->cells[pm__hint_at(hints, position) - hints->cells];
+        filled += hint->block < 0;
+        hint->block = (int32_t)block;
+    }
+    return filled;
+}
+
+typedef struct hinting {
+    const pm_map *map;
+    pm__hints *hints;
+} hinting;
+
+/* log2 of the squared radius about a block's middle photon that holds k; -126 for 0. */
+static float log_radius2(const pm_map *map, size_t block, size_t k)
+{
+    pm_neighbor list[PM__HINT_FAR];
+    pm__query query = {.k = k, .max_distance2 = 3.4e38f, .prune_scale = 1.0f, .shape = PM_LOOKUP_SPHERE};
+    pm__result result = {.list = list, .capacity = k, .bound = query.max_distance2, .ids = map->ids};
+    middle_photon(map, block, query.position);
+    map->search->find(map, &query, &result);
+    float farthest = 0.0f;
+    for (size_t i = 0; i < result.count; i++)
+        farthest = list[i].distance2 > farthest ? list[i].distance2 : farthest;
+    return farthest > 0.0f ? fmaxf(log2f(farthest), -126.0f) : -126.0f;
+}
+
+/* Where PM__HINT_NEAR photons are in one place, what is about it decides. */
+static void hint_task(void *argument, size_t chunk)
+{
+    const hinting *const h = argument;
+    for (size_t c = chunk * CHUNK; c < h->hints->count && c < (chunk + 1) * CHUNK; c++) {
+        pm__hint *const hint = &h->hints->cells[c];
+        if (hint->block < 0)
+            continue;
+        hint->log_far = log_radius2(h->map, (size_t)hint->block, PM__HINT_FAR);
+        hint->log_near = fmaxf(log_radius2(h->map, (size_t)hint->block, PM__HINT_NEAR), hint->log_far - 20.0f);
+    }
+}
+
+pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel)
+{
+    if (map->count < MINIMUM)
+        return PM_OK;
+    pm__wide *const wide = map->index[PM__WIDE];
+    pm__hints hints = {.cells = NULL};
+    float low[3], extent[3];
+    const size_t most = map->count / 8;
+    hints.cells = pm__alloc(most, sizeof *hints.cells);
+    if (!hints.cells)
+        return PM_ENOMEM;
+    frame(map, low, extent);
+    for (size_t limit = most; limit; limit /= 2) {
+        choose_cells(&hints, low, extent, limit);
+        if (name_blocks(map, &hints) * BLOCKS_A_CELL <= map->block_count)
+            break;
+    }
+    hinting h = {map, &hints};
+    pm__for(parallel, (hints.count + CHUNK - 1) / CHUNK, hint_task, &h);
+    wide->hints = hints;
+    return PM_OK;
+}
