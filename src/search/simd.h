@@ -19,6 +19,7 @@ static inline vf v_mul(vf a, vf b) { return _mm512_mul_ps(a, b); }
 static inline vf v_max(vf a, vf b) { return _mm512_max_ps(a, b); }
 static inline vf v_min(vf a, vf b) { return _mm512_min_ps(a, b); }
 static inline void v_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
+static inline float v_least(vf a) { return _mm512_reduce_min_ps(a); }
 static inline unsigned v_le(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
 static inline unsigned v_lt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
 /* a + b in the lanes of the mask, a in the others. */
@@ -69,6 +70,12 @@ static inline vf v_mul(vf a, vf b) { return _mm256_mul_ps(a, b); }
 static inline vf v_max(vf a, vf b) { return _mm256_max_ps(a, b); }
 static inline vf v_min(vf a, vf b) { return _mm256_min_ps(a, b); }
 static inline void v_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
+static inline float v_least(vf a)
+{
+    const __m128 four = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+    const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps(two, two, 1)));
+}
 static inline unsigned v_le(vf a, vf b) { return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)); }
 static inline unsigned v_lt(vf a, vf b) { return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)); }
 static inline vf v_add_where(vf a, vf b, unsigned mask)
@@ -120,6 +127,11 @@ static inline vf v_mul(vf a, vf b) { return _mm_mul_ps(a, b); }
 static inline vf v_max(vf a, vf b) { return _mm_max_ps(a, b); }
 static inline vf v_min(vf a, vf b) { return _mm_min_ps(a, b); }
 static inline void v_store(float *p, vf a) { _mm_storeu_ps(p, a); }
+static inline float v_least(vf a)
+{
+    const __m128 two = _mm_min_ps(a, _mm_movehl_ps(a, a));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps(two, two, 1)));
+}
 static inline unsigned v_le(vf a, vf b) { return (unsigned)_mm_movemask_ps(_mm_cmple_ps(a, b)); }
 static inline unsigned v_lt(vf a, vf b) { return (unsigned)_mm_movemask_ps(_mm_cmplt_ps(a, b)); }
 static inline vf v_add_where(vf a, vf b, unsigned mask)
@@ -192,6 +204,13 @@ static inline vf v_min(vf a, vf b) { PM__LANEWISE(a.lane[i] < b.lane[i] ? a.lane
 static inline vf v_add_where(vf a, vf b, unsigned mask) { PM__LANEWISE(mask >> i & 1 ? a.lane[i] + b.lane[i] : a.lane[i]); }
 static inline vf v_bytes(const int8_t *p) { PM__LANEWISE((float)p[i]); }
 static inline void v_store(float *p, vf a) { memcpy(p, a.lane, sizeof a.lane); }
+static inline float v_least(vf a)
+{
+    float least = a.lane[0];
+    for (int i = 1; i < V; i++)
+        least = a.lane[i] < least ? a.lane[i] : least;
+    return least;
+}
 static inline unsigned v_le(vf a, vf b)
 {
     unsigned mask = 0;

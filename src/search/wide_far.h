@@ -75,19 +75,10 @@ typedef struct pending {
     int level;
 } pending;
 
-/* The nearest children last, to be walked first: the bound then shrinks soon. */
-static int push_children(const walk *w, pending *stack, int top, pending p, unsigned mask)
+static int push_children(pending *stack, int top, pending p, unsigned mask)
 {
-    float nearest[PM__LANES];
-    const int bottom = top;
-    (void)nearest_box(&w->wide->level[p.level][p.node], w->query, nearest);
-    for (; mask; mask &= mask - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(mask);
-        int at = top++;
-        for (; at > bottom && nearest[stack[at - 1].node % PM__LANES] < nearest[lane]; at--)
-            stack[at] = stack[at - 1];
-        stack[at] = (pending){p.node * PM__LANES + lane, p.level - 1};
-    }
+    for (; mask; mask &= mask - 1)
+        stack[top++] = (pending){p.node * PM__LANES + (uint32_t)__builtin_ctz(mask), p.level - 1};
     return top;
 }
 
@@ -105,7 +96,7 @@ static void collect(const walk *w, collector *c)
             continue;
         }
         const unsigned mask = measure_boxes(&w->wide->level[p.level][p.node], w->query, box_bound(w, c->bound));
-        top = push_children(w, stack, top, p, mask);
+        top = push_children(stack, top, p, mask);
     }
     make_room(w, c);
 }

@@ -96,12 +96,11 @@ static start descend(const walk *w, const scale *k)
 {
     const pm__query *const query = w->query;
     const int stop = query->k ? guess_level(w->wide, query->k) : 0;
-    float nearest[PM__LANES], extent[3] = {0.0f, 0.0f, 0.0f};
-    unsigned lane = 0;
+    float distance2 = 0.0f, extent[3] = {0.0f, 0.0f, 0.0f};
     size_t node = 0;
     for (int level = w->wide->levels - 1; level >= stop; level--) {
         const pm__boxes *const boxes = &w->wide->level[level][node];
-        lane = nearest_box(boxes, query, nearest);
+        const unsigned lane = nearest_box(boxes, query, &distance2);
         node = node * PM__LANES + lane;
         if (level == stop)
             for (int a = 0; a < 3; a++)
@@ -110,8 +109,8 @@ static start descend(const walk *w, const scale *k)
     const size_t full = (size_t)PM__LANES << 4 * stop, first = node * full; /* all are full but the last */
     const size_t photons = first + full <= w->map->count ? full : w->map->count > first ? w->map->count - first : 1;
     float r2 = radius2_of_box(extent, photons, query->k);
-    if (nearest[lane] > 0.0f) {
-        const float r = sqrtf(r2) + sqrtf(nearest[lane]);
+    if (distance2 > 0.0f) {
+        const float r = sqrtf(r2) + sqrtf(distance2);
         r2 = r * r;
     }
     return (start){(int32_t)(node << 4 * stop), query->k ? limited(query, r2 * k->scatter) : query->max_distance2};

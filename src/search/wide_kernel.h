@@ -20,21 +20,40 @@ static float enlarge(const walk *w, float tried, size_t found, int round)
     return round > 40 || tried > query->max_distance2 / factor ? query->max_distance2 : tried * factor;
 }
 
+/* So many blocks that the guess must be far too large: it is cheaper to guess again than to measure them. */
+static inline size_t most_blocks(size_t k)
+{
+    return k > MOST_SELECTED ? 0 : k / 4 + 24 < LISTED ? k / 4 + 24 : LISTED;
+}
+
+/* Tries s.guess, which is known not to be the first and too small where round > 0, and larger or smaller ones. */
 static void find_nearest(const walk *w, start s, int round)
 {
     block_list list;
+    float too_few = round ? s.guess / 1.3f : 0.0f, too_many = INFINITY;
+    size_t found;
+    list.most = most_blocks(w->query->k);
     for (;; round++) {
-        size_t found;
-        const bool few = w->query->k <= MOST_SELECTED && list_near(w, s.block, box_bound(w, s.guess), &list);
-        if (few ? settle(w, &list, s.guess, &found) : settle_far(w, s.guess, &found))
+        const bool listed = list.most && list_near(w, s.block, box_bound(w, s.guess), &list);
+        if (!listed && list.most && 0.3f * s.guess > too_few && round < 20) {
+            too_many = s.guess;
+            s.guess *= 0.3f;
+            continue;
+        }
+        if (listed ? settle(w, &list, s.guess, &found) : settle_far(w, s.guess, &found))
             return;
-        s.guess = enlarge(w, s.guess, found, round);
+        if (!listed || round >= 20)
+            too_many = INFINITY; /* where few of the photons in reach are wanted */
+        too_few = s.guess;
+        const float larger = enlarge(w, s.guess, found, round);
+        s.guess = larger < too_many ? larger : sqrtf(too_few) * sqrtf(too_many) * 1.05f;
     }
 }
 
 static void find_within(const walk *w, int32_t block)
 {
     block_list list;
+    list.most = LISTED;
     if (!list_near(w, block, box_bound(w, w->query->max_distance2), &list))
         hand_over_far(w);
     else if (is_plain(w->query))
@@ -91,7 +110,8 @@ static void find_batch(const pm_map *map, const pm__query *queries, pm__result *
     }
     for (size_t i = 0; i < count; i++) {
         stage *const t = &stages[i];
-        t->listed = queries[i].k <= MOST_SELECTED && list_near(&t->w, t->s.block, box_bound(&t->w, t->s.guess), &t->list);
+        t->list.most = queries[i].k ? most_blocks(queries[i].k) : LISTED;
+        t->listed = t->list.most && list_near(&t->w, t->s.block, box_bound(&t->w, t->s.guess), &t->list);
         if (t->listed)
             fetch_blocks(map, &t->list);
     }

@@ -34,12 +34,12 @@ static inline unsigned measure_boxes(const pm__boxes *boxes, const pm__query *qu
     return mask;
 }
 
-/* The nearest box; of those that hold the query (boxes overlap: that of many faces of a room holds them all) the one whose
- * farthest corner is nearest, since small boxes say most of the density there. nearest: squared distances to all. */
-static inline unsigned nearest_box(const pm__boxes *boxes, const pm__query *query, float nearest[PM__LANES])
+/* The nearest box and its squared distance; of those that hold the query (boxes overlap: that of many faces of a room holds
+ * them all) the one whose farthest corner is nearest, since small boxes say most of the density there. */
+static inline unsigned nearest_box(const pm__boxes *boxes, const pm__query *query, float *distance2)
 {
-    float farthest[PM__LANES];
-    unsigned inside = 0;
+    float nearest[PM__LANES], farthest[PM__LANES];
+    unsigned inside = 0, mask = 0;
     for (unsigned lane = 0; lane < PM__LANES; lane += V) {
         vf near[3], far[3];
         for (int a = 0; a < 3; a++) {
@@ -49,22 +49,21 @@ static inline unsigned nearest_box(const pm__boxes *boxes, const pm__query *quer
             near[a] = v_mul(d, d);
             far[a] = v_mul(e, e);
         }
-        const vf d2 = v_add(v_add(near[0], near[1]), near[2]);
+        const vf d2 = v_add(v_add(near[0], near[1]), near[2]), f2 = v_add(v_add(far[0], far[1]), far[2]);
+        const unsigned within = v_le(d2, v_set(0.0f));
         v_store(nearest + lane, d2);
-        v_store(farthest + lane, v_add(v_add(far[0], far[1]), far[2]));
-        inside |= v_le(d2, v_set(0.0f)) << lane;
+        v_store(farthest + lane, v_add_where(f2, v_set(INFINITY), ~within & ((1U << V) - 1)));
+        inside |= within << lane;
     }
-    unsigned best = 0;
-    if (inside) {
-        best = (unsigned)__builtin_ctz(inside);
-        for (inside &= inside - 1; inside; inside &= inside - 1) {
-            const unsigned lane = (unsigned)__builtin_ctz(inside);
-            best = farthest[lane] < farthest[best] ? lane : best;
-        }
-        return best;
-    }
-    for (unsigned lane = 1; lane < PM__LANES; lane++)
-        best = nearest[lane] < nearest[best] ? lane : best;
+    const float *const key = inside ? farthest : nearest;
+    vf least = v_load(key);
+    for (unsigned lane = V; lane < PM__LANES; lane += V)
+        least = v_min(least, v_load(key + lane));
+    const vf limit = v_set(v_least(least));
+    for (unsigned lane = 0; lane < PM__LANES; lane += V)
+        mask |= v_le(v_load(key + lane), limit) << lane;
+    const unsigned best = mask ? (unsigned)__builtin_ctz(mask) : 0;
+    *distance2 = nearest[best];
     return best;
 }
 

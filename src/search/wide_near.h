@@ -8,7 +8,7 @@
 enum { LISTED = CAPACITY / PM__LANES, SIBLINGS = 96 };
 
 typedef struct block_list {
-    size_t count;
+    size_t count, most;
     uint32_t blocks[LISTED + 2 * PM__LANES];
 } block_list;
 
@@ -45,7 +45,7 @@ static bool list_aside(const walk *w, size_t block, const unsigned *masks, float
     for (size_t i = 0; i < count; i++) {
         const unsigned mask = measure_boxes(&w->wide->level[0][here[i]], w->query, bound);
         list->count = list_children(list->blocks, list->count, here[i], mask);
-        if (list->count > LISTED)
+        if (list->count > list->most)
             return false;
     }
     return true;
@@ -70,11 +70,13 @@ static inline bool list_near(const walk *w, int32_t start_block, float bound, bl
     }
     if (high)
         return list_aside(w, block, masks, bound, list);
-    for (unsigned rest = masks[1]; rest; rest &= rest - 1) { /* at most 16 nodes: the list holds their blocks */
+    for (unsigned rest = masks[1]; rest; rest &= rest - 1) {
+        if (list->count > list->most)
+            return false;
         const size_t node = (block >> 8) * PM__LANES + (size_t)__builtin_ctz(rest);
         list->count = list_children(list->blocks, list->count, node, measure_boxes(&boxes[0][node], w->query, bound));
     }
-    return true;
+    return list->count <= list->most;
 }
 
 static inline void fetch_blocks(const pm_map *map, const block_list *list)
