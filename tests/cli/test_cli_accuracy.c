@@ -3,6 +3,7 @@
 
 #include <pty.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <time.h>
 
 #define SMALL "--trials 3 --probes 16 --photons 500 --k 10,20 "
@@ -205,6 +206,14 @@ static void pause_ms(long ms)
     (void)nanosleep(&t, NULL);
 }
 
+/* Waits until the program has opened its file in `place`. */
+static void wait_for_file(const pm__test_directory *place)
+{
+    for (int i = 0; i < 1000 && !pm__test_directory_entries(place, 0); i++)
+        pause_ms(5);
+    ck_assert_int_eq(pm__test_directory_entries(place, 0), 1);
+}
+
 START_TEST(interrupted)
 {
     const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();
@@ -215,8 +224,7 @@ START_TEST(interrupted)
     const pid_t child =
         pm__start(arguments, pm__test_path(&streams, "out", out), pm__test_path(&streams, "err", err));
     /* Once its temporary file is there the program listens to signals. */
-    for (int i = 0; i < 1000 && !pm__test_directory_entries(&place, 0); i++)
-        pause_ms(5);
+    wait_for_file(&place);
     ck_assert_int_eq(kill(child, SIGINT), 0);
     ck_assert_int_eq(pm__wait(child), 130);
     json_t *const root = json_load_file(json, 0, NULL);
@@ -230,6 +238,40 @@ START_TEST(interrupted)
 }
 END_TEST
 
+/* While rows are written to standard output nothing asks whether to stop: a pipe that nobody reads from holds the
+ * program there for good, so only the second signal can end it. */
+START_TEST(interrupted_twice)
+{
+    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t i = 0; i < 3; i++) {
+        const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();
+        char fifo[PM__TEST_PATH], csv[PM__TEST_PATH], err[PM__TEST_PATH], arguments[2 * PM__TEST_PATH];
+        (void)snprintf(arguments, sizeof arguments,
+                       "accuracy --case square --trials 2 --photons 1000 --probes 1 --json - --csv %s",
+                       pm__test_path(&place, "a.csv", csv));
+        (void)pm__test_path(&streams, "err", err);
+        ck_assert_int_eq(mkfifo(pm__test_path(&streams, "out", fifo), 0600), 0);
+        const int unread = open(fifo, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+        ck_assert_int_ge(unread, 0);
+        char junk[4096] = "";
+        while (write(unread, junk, sizeof junk) > 0) /* until it is full */
+            continue;
+        const pid_t child = pm__start(arguments, fifo, err);
+        wait_for_file(&place);
+        pause_ms(500);
+        ck_assert_int_eq(kill(child, numbers[i]), 0);
+        pause_ms(100);
+        ck_assert_int_eq(waitpid(child, NULL, WNOHANG), 0);
+        ck_assert_int_eq(kill(child, numbers[i]), 0);
+        ck_assert_int_eq(pm__wait(child), 130);
+        ck_assert_int_eq(pm__test_directory_entries(&place, 0), 0);
+        (void)close(unread);
+        pm__test_directory_remove(&place);
+        pm__test_directory_remove(&streams);
+    }
+}
+END_TEST
+
 /* Not even a single trial that takes minutes keeps the program from stopping. */
 START_TEST(interrupted_in_a_long_trial)
 {
@@ -240,8 +282,7 @@ START_TEST(interrupted_in_a_long_trial)
                    pm__test_path(&place, "a.json", json));
     const pid_t child =
         pm__start(arguments, pm__test_path(&streams, "out", out), pm__test_path(&streams, "err", err));
-    for (int i = 0; i < 1000 && !pm__test_directory_entries(&place, 0); i++)
-        pause_ms(5);
+    wait_for_file(&place);
     pause_ms(3000); /* into the trials */
     const time_t asked = time(NULL);
     ck_assert_int_eq(kill(child, SIGTERM), 0);
@@ -312,5 +353,5 @@ START_TEST(terminals)
 END_TEST
 
 PM_TEST_MAIN("cli accuracy", json_has_the_contract, fixed_radius, a_volume_has_no_hull, threads_do_not_matter,
-             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted,
+             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted, interrupted_twice,
              interrupted_in_a_long_trial, more_than_memory_holds, terminals)
