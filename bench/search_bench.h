@@ -11,6 +11,9 @@
 #include "harness.h"
 #include "workloads.h"
 
+/* Bytes a photon that any index may take while it is built, peers' included. */
+enum { PM__INDEX_BYTES = 130 };
+
 typedef struct pm__search_config {
     const pm__spec *cases; /* of pm__workloads */
     size_t case_count;
@@ -77,7 +80,8 @@ typedef struct pm__search_row {
 } pm__search_row;
 
 /* Rows in the order of the run; free by pm__search_free, also after an error. ECANCELED: the runs that were complete.
- * Rows refer to the config's names. */
+ * ENOMEM, too where a set and two indices of it would not fit into the free memory: found out before any run. Rows refer
+ * to the config's names. */
 pm_status pm__search_run(const pm__search_config *config, pm__search_row **rows, size_t *count, pm_error *error);
 void pm__search_free(pm__search_row *rows, size_t count);
 

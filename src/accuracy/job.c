@@ -2,6 +2,8 @@
 #include "bench.h"
 
 #include "../base/memory.h"
+#include "../map/structure.h"
+#include "../search/search.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -234,16 +236,21 @@ static pm_status plan_candidates(pm__job *job)
     return PM_OK;
 }
 
-/* Bytes of one trial's maps at their fullest. MAP: a photon's share of the largest of the searches' structures, its
- * direction and power included; BUILDING: what only the build needs. */
+static pm__structure_id structure_of(const pm__job *job)
+{
+    return job->config->search ? pm_search_find(job->config->search)->structure : PM__WIDE;
+}
+
+/* Bytes of one trial's maps at their fullest. */
 static double trial_bytes(const pm__job *job)
 {
-    enum { MAP = 56, BUILDING = 16, NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]), ORDER = sizeof(uint64_t) };
+    enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]) };
     const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
-    double held = photon + MAP + deals * MAP, passing = BUILDING + (job->deal_count ? photon : 0.0);
+    const double map = pm__bytes_when_built(structure_of(job)), building = pm__bytes_to_build(structure_of(job)) - map;
+    double held = photon + map + deals * map, passing = building + (job->deal_count ? photon : 0.0);
     for (size_t f = 0; f < job->fraction_count; f++) {
-        held += job->fractions[f] * (MAP + NUMBER + NORMAL);
-        passing = fmax(passing, job->fractions[f] * (ORDER + photon + BUILDING));
+        held += job->fractions[f] * (map + NUMBER + NORMAL);
+        passing = fmax(passing, NUMBER + job->fractions[f] * (photon + building));
     }
     if (job->fraction_count)
         held += NORMAL;

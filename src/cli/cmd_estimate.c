@@ -110,6 +110,8 @@ static void configure(const pm__settings *s, const pm_parallel *parallel, pm__es
     e->auto_threshold = s->auto_threshold;
     e->seed = s->seed;
     e->parallel = parallel;
+    e->threads = s->threads;
+    e->memory = pm__free_memory();
     e->canceled = pm__interrupted;
 }
 

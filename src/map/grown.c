@@ -236,7 +236,7 @@ static size_t bytes(const pm_map *map, const void *index)
     return ((const pm__grown *)index)->capacity * sizeof(pm__grown_node);
 }
 
-const pm__structure pm__structure_grown = {PM__GROWN, arrange, place, destroy, bytes, false};
+const pm__structure pm__structure_grown = {PM__GROWN, arrange, place, destroy, bytes, false, 20.0, 16.0};
 
 /* ---- maps that grow ----------------------------------------------------------------------------- */
 
