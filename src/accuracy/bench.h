@@ -84,7 +84,11 @@ typedef struct pm__bench_lookup {
     double guess; /* m: a radius that probably holds the photons; INFINITY: none */
 } pm__bench_lookup;
 
-/* job.c: the plan of a job; allocates everything above but the maps. */
+/* job.c: what can be known to be wrong with a job before it starts: EINVAL, ENOMEM. Costs next to nothing. */
+pm_status pm__job_check(const pm__accuracy_config *config, const pm__spec *case_spec, const pm__spec *sampler_spec,
+                        size_t photons, pm_error *error);
+
+/* The plan of a job; allocates everything above but the maps. */
 pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
                        const pm__spec *sampler_spec, size_t photons, pm_error *error);
 void pm__job_free(pm__job *job);

@@ -150,6 +150,35 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
     return too_few(v) ? "k is too few for it" : NULL;
 }
 
+/* Maps that are drawn separately have a sample of their own each, which the sampler rounds on its own. */
+static pm_status check_shares(const pm__job *job, const pm__variant *v, pm_error *error)
+{
+    const size_t maps = pm__map_count_of(v->spec);
+    for (size_t m = 0; m < maps; m++) {
+        const size_t drawn = pm__drawn_count(job, pm__share(job->photons, maps, m)), k = pm__share(v->k, maps, m);
+        char name[PM__MAX_SPEC];
+        pm__spec_format_short(v->spec, name, sizeof name);
+        if (k > drawn)
+            return pm__fail(error, PM_EINVAL,
+                            "--k %zu asks each map of --estimator %s for %zu photons; it has the %zu that --sampler %s "
+                            "draws for its part of --photons %zu in case %s",
+                            v->k, name, k, drawn, job->sampler_spec->entry->name, job->asked_photons,
+                            job->case_spec->entry->name);
+    }
+    return PM_OK;
+}
+
+static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *error)
+{
+    enum { SEPARATE };
+    if (v->k > job->photons)
+        return pm__fail(error, PM_EINVAL,
+                        "--k %zu is more than the %zu photons that --sampler %s draws for --photons %zu in case %s", v->k,
+                        job->photons, job->sampler_spec->entry->name, job->asked_photons, job->case_spec->entry->name);
+    const bool separate = v->estimator->needs & PM__MAPS && pm__spec_value(v->spec, "deal", 0.0) == SEPARATE;
+    return separate ? check_shares(job, v, error) : PM_OK;
+}
+
 static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_error *error)
 {
     const pm__estimator *const estimator = pm__estimator_of(spec);
@@ -158,8 +187,9 @@ static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_e
     v->unsupported = reason_against(job, v);
     if (v->unsupported)
         return PM_OK;
-    if (k > job->photons)
-        return pm__fail(error, PM_EINVAL, "k = %zu is more than the %zu photons of a map", k, job->photons);
+    const pm_status status = check_k(job, v, error);
+    if (status != PM_OK)
+        return status;
     if (!k && isinf(v->radius))
         return pm__fail(error, PM_EINVAL, "neither a k nor a radius is given");
     if (estimator->needs & PM__MAPS)
@@ -189,7 +219,7 @@ static pm_status check_variants(const pm__job *job, const pm__spec *spec, pm_err
         }
     char name[PM__MAX_SPEC];
     pm__spec_format_short(spec, name, sizeof name);
-    return pm__fail(error, PM_EINVAL, "k = %zu is too few for %s: at least %zu are needed", last->k, name,
+    return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s: at least %zu are needed", last->k, name,
                     pm__map_count_of(spec) * last->estimator->min_k);
 }
 
@@ -304,8 +334,9 @@ static pm_status allocate_results(pm__job *job)
                : PM_ENOMEM;
 }
 
-pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
-                       const pm__spec *sampler_spec, size_t photons, pm_error *error)
+/* All that can be refused, before anything is drawn. */
+static pm_status plan_estimates(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
+                                const pm__spec *sampler_spec, size_t photons, pm_error *error)
 {
     memset(job, 0, sizeof *job);
     job->config = config;
@@ -318,8 +349,22 @@ pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm
     pm_status status = plan_variants(job, error);
     if (status == PM_OK)
         status = plan_candidates(job);
-    if (status == PM_OK)
-        status = check_memory(job, error);
+    return status == PM_OK ? check_memory(job, error) : status;
+}
+
+pm_status pm__job_check(const pm__accuracy_config *config, const pm__spec *case_spec, const pm__spec *sampler_spec,
+                        size_t photons, pm_error *error)
+{
+    pm__job job;
+    const pm_status status = plan_estimates(&job, config, case_spec, sampler_spec, photons, error);
+    pm__job_free(&job);
+    return status;
+}
+
+pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
+                       const pm__spec *sampler_spec, size_t photons, pm_error *error)
+{
+    pm_status status = plan_estimates(job, config, case_spec, sampler_spec, photons, error);
     if (status == PM_OK) {
         status = plan_probes(job);
         if (status == PM_OK)
