@@ -9,6 +9,7 @@
 typedef struct pm__estimate {
     const pm__spec *spec;
     pm_query lookup;       /* all but position and normal; max_radius only where it is not automatic */
+    double radius;         /* m, as given; 0: none, or automatic */
     double auto_threshold; /* W/(m2 sr); 0: not automatic */
     uint64_t seed;         /* for dealing photons to several maps */
     const pm_parallel *parallel;

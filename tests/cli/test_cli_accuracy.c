@@ -61,6 +61,17 @@ START_TEST(fixed_radius)
     ck_assert(json_is_null(json_object_get(row, "k")));
     ck_assert(json_real_value(json_object_get(row, "radius")) == 0.25);
     json_decref(root);
+    /* Searches work in single precision, but what was asked for is 0.04: in options and rows, JSON and CSV. */
+    const char *const small = "accuracy --case square --estimator disc --trials 2 --probes 4 --photons 500 "
+                              "--radius 0.04 %s -";
+    char arguments[200];
+    (void)snprintf(arguments, sizeof arguments, small, "--json");
+    const char *const out = pm__expect(arguments, 0, NULL)->out;
+    const char *const first = strstr(out, "\"radius\":0.04,");
+    ck_assert_ptr_nonnull(first);
+    ck_assert_ptr_nonnull(strstr(first + 1, "\"radius\":0.04,"));
+    (void)snprintf(arguments, sizeof arguments, small, "--csv");
+    ck_assert_ptr_nonnull(strstr(pm__expect(arguments, 0, NULL)->out, ",0.04,sphere,"));
 }
 END_TEST
 

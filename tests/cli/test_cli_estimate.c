@@ -143,6 +143,8 @@ START_TEST(fixed_radius)
     const double want = sum / (acos(-1.0) * 0.09);
     PM_CHECK_NEAR(json_real_value(json_object_get(row, "e_r")), want, 1e-6 * want);
     ck_assert_int_eq(json_integer_value(json_object_get(row, "count")), (json_int_t)count);
+    ck_assert(json_real_value(json_object_get(row, "radius")) == 0.3); /* as it was given */
+    ck_assert(json_real_value(json_object_get(json_object_get(root, "options"), "radius")) == 0.3);
     ck_assert_str_eq(json_string_value(json_object_get(row, "status")), "ok");
     json_decref(root);
 }
