@@ -47,6 +47,9 @@ KINDS ?=
 # The commands that install their dependencies build on all processors, unless make was told how many.
 PARALLEL = $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
+# Headers that a target depends on. By a name that holds whichever way BUILD is spelt: build, ./build, or its full path.
+DEPENDENCIES = -MMD -MP -MT '$$(BUILD)$(patsubst $(BUILD)%,%,$@)'
+
 Q = $(if $(V),,@)
 say = $(if $(V),,@printf '  %-7s %s\n' $(1) $(2))
 
@@ -137,7 +140,7 @@ $(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(subst ",,$(stri
 $(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 	$(call say,CC,$<)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) $(DEPENDENCIES) -c $< -o $@
 
 $(BUILD)/obj/bench/peers/list.o: PM_EXTRA += $(PEER_DEFINES)
 $(BUILD)/obj/bench/peers/list.o: $(BUILD)/obj/bench/peers/.found
@@ -150,7 +153,7 @@ $(BUILD)/obj/bench/peers/.found: .FORCE
 $(BUILD)/obj/bench/peers/%.o: bench/peers/%.cc $(BUILD)/obj/bench/peers/.found
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CXX) $(PEER_CXXFLAGS) -MMD -MP -c $< -o $@
+	$(Q)$(CXX) $(PEER_CXXFLAGS) $(DEPENDENCIES) -c $< -o $@
 
 $(BUILD)/libphotonmap.a: $(LIB_OBJECTS)
 	$(call say,AR,$@)
@@ -177,7 +180,7 @@ $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' -MMD -MP -MF $@.d $(LDFLAGS) $< \
+	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $< \
 	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
