@@ -24,10 +24,14 @@ int main(void)
     pm_map *map = NULL;
     pm_estimator *disc = NULL;
     pm_workspace *workspace = NULL;
-    pm_error error;
-    if (pm_map_create(photons, 100, NULL, &map, &error) || pm_estimator_create("disc", &disc, &error) ||
-        pm_workspace_create(20, &workspace)) {
-        fprintf(stderr, "%s\n", error.text);
+    pm_error error = {""};
+    pm_status status = pm_map_create(photons, 100, NULL, &map, &error);
+    if (status == PM_OK)
+        status = pm_estimator_create("disc", &disc, &error);
+    if (status == PM_OK)
+        status = pm_workspace_create(20, &workspace);
+    if (status != PM_OK) {
+        fprintf(stderr, "%s\n", *error.text ? error.text : pm_status_text(status));
         return 1;
     }
     pm_query query;
@@ -37,7 +41,7 @@ int main(void)
     const pm_map *const maps[] = {map};
     const pm_source source = {.maps = maps, .map_count = 1, .dimensions = 2};
     pm_estimation estimation;
-    const pm_status status = pm_estimate(disc, &source, &query, workspace, &estimation);
+    status = pm_estimate(disc, &source, &query, workspace, &estimation);
     printf("%zu photons, %.1f W/m2\n", estimation.count, estimation.value[0]);
     pm_workspace_destroy(workspace);
     pm_estimator_destroy(disc);
