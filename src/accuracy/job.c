@@ -103,9 +103,14 @@ static bool same_deal(const pm__deal *a, const pm__deal *b)
     return a->maps == b->maps && a->how == b->how;
 }
 
+static pm__deal deal_of(const pm__spec *spec)
+{
+    return (pm__deal){pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
+}
+
 static size_t variety_of_deal(pm__job *job, const pm__spec *spec)
 {
-    const pm__deal deal = {pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
+    const pm__deal deal = deal_of(spec);
     size_t i = 0;
     while (i < job->deal_count && !same_deal(&job->deals[i], &deal))
         i++;
@@ -170,13 +175,12 @@ static pm_status check_shares(const pm__job *job, const pm__variant *v, pm_error
 
 static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *error)
 {
-    enum { SEPARATE };
     if (v->k > job->photons)
         return pm__fail(error, PM_EINVAL,
                         "--k %zu is more than the %zu photons that --sampler %s draws for --photons %zu in case %s", v->k,
                         job->photons, job->sampler_spec->entry->name, job->asked_photons, job->case_spec->entry->name);
-    const bool separate = v->estimator->needs & PM__MAPS && pm__spec_value(v->spec, "deal", 0.0) == SEPARATE;
-    return separate ? check_shares(job, v, error) : PM_OK;
+    const pm__deal deal = deal_of(v->spec);
+    return deal.maps > 1 && pm__is_separate(&deal) ? check_shares(job, v, error) : PM_OK;
 }
 
 static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_error *error)
@@ -277,7 +281,7 @@ static double trial_bytes(const pm__job *job)
     enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]) };
     const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
     const double map = pm__bytes_when_built(structure_of(job)), building = pm__bytes_to_build(structure_of(job)) - map;
-    double held = photon + map + deals * map, passing = building + (job->deal_count ? photon : 0.0);
+    double held = photon + map + deals * map, passing = building + (job->deal_count ? photon + 1.0 : 0.0);
     for (size_t f = 0; f < job->fraction_count; f++) {
         held += job->fractions[f] * (map + NUMBER + NORMAL);
         passing = fmax(passing, NUMBER + job->fractions[f] * (photon + building));
@@ -306,7 +310,9 @@ static pm_status check_memory(const pm__job *job, pm_error *error)
 {
     const pm__accuracy_config *const c = job->config;
     const size_t threads = c->threads ? c->threads : 1, at_once = threads < c->trials ? threads : c->trials;
-    const double needed = result_bytes(job) + (double)at_once * trial_bytes(job);
+    /* Times are taken with the maps of a trial at hand, building them anew one by one. */
+    const double again = (double)job->photons * pm__bytes_to_build(structure_of(job)), trial = trial_bytes(job);
+    const double needed = result_bytes(job) + fmax((double)at_once * trial, trial + (c->timing ? again : 0.0));
     if (!(c->memory > 0.0) || needed <= c->memory)
         return PM_OK;
     return pm__fail(error, PM_ENOMEM,
