@@ -20,7 +20,8 @@ PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PRO
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
 CXX ?= c++
 HASH := \#
-has_header = $(shell printf '$(HASH)if !__has_include(<$(1)>)\n$(HASH)error\n$(HASH)endif\n' | $(CXX) -std=c++17 -E -x c++ - >/dev/null 2>&1 && echo yes)
+has_header = $(shell printf '$(HASH)if !__has_include(<$(1)>)\n$(HASH)error\n$(HASH)endif\n' | \
+    $(CXX) -std=c++17 -E -x c++ - >/dev/null 2>&1 && echo yes)
 peer_if = $(if $(call has_header,$(2)),$(1))
 PEERS ?= $(call peer_if,nanoflann,nanoflann.hpp) $(call peer_if,flann,flann/flann.hpp) $(call peer_if,ann,ANN/ANN.h) \
     $(call peer_if,cgal,CGAL/Kd_tree.h) $(call peer_if,embree,embree3/rtcore.h)
@@ -132,10 +133,12 @@ $(LIB_OBJECTS): PM_EXTRA = -fPIC -fvisibility=hidden
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 $(BUILD)/obj/src/search/wide_v2.o $(BUILD)/obj/src/search/grid_v2.o: PM_EXTRA += -O3 -msse4.2 -mpopcnt
 $(BUILD)/obj/src/search/wide_avx2.o $(BUILD)/obj/src/search/grid_avx2.o: PM_EXTRA += -O3 -mavx2 -mbmi -mbmi2 -mpopcnt
-$(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_EXTRA += -O3 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
+$(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_EXTRA += -O3 \
+    -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
 endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
-$(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))"'
+BUILD_FLAGS = $(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))
+$(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(BUILD_FLAGS)"'
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 	$(call say,CC,$<)
@@ -184,6 +187,6 @@ $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/
 	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
-.PHONY: all lib program install uninstall clean demo run-demo bench run-bench check check-san check-full tests run-tests \
-    deps deps-build deps-bench help .FORCE
+.PHONY: all lib program install uninstall clean demo run-demo bench run-bench \
+    check check-san check-full tests run-tests deps deps-build deps-bench help .FORCE
 .DELETE_ON_ERROR:

@@ -117,7 +117,8 @@ static pm_status run_group(pm__search_group *group, pm__search_progress *progres
             if (!group->queries[order])
                 continue;
             if (config->progress)
-                config->progress(config->context, (double)progress->weight_done / (double)progress->weight, group->case_name);
+                config->progress(config->context, (double)progress->weight_done / (double)progress->weight,
+                                 group->case_name);
             status = pm__search_compare(group, i < config->k_count ? config->ks[i] : 0, order == 1, progress, error);
             progress->runs_done++;
             progress->weight_done += group->weight;
@@ -283,7 +284,8 @@ static pm_status count_runs(const pm__search_config *config, size_t photons, pm_
     return status;
 }
 
-static pm_status run_all(const pm__search_config *config, bool count_only, pm__search_progress *progress, pm_error *error)
+static pm_status run_all(const pm__search_config *config, bool count_only, pm__search_progress *progress,
+                         pm_error *error)
 {
     pm_status status = PM_OK;
     if (config->given_name)

@@ -206,9 +206,9 @@ typedef struct pm_neighbor {
 
 /* Finds the k nearest photons that the query accepts, exactly; equal distances go to the lower caller's
  * index. Each search algorithm finds the same set; EINVAL where the map was not made for the query's.
- * neighbors: the caller's buffer of `capacity` entries; with k > 0 capacity must be >= min(k, pm_map_count). *count: how
- * many were found. With k = 0 and more in the sphere than fit: ETRUNCATED, *count says how many there are, the buffer's
- * content is undefined.
+ * neighbors: the caller's buffer of `capacity` entries; with k > 0 capacity must be >= min(k, pm_map_count). *count:
+ * how many were found. With k = 0 and more in the sphere than fit: ETRUNCATED, *count says how many there are, the
+ * buffer's content is undefined.
  * Errors: EINVAL (also NaN in the query). Cost: [C02] 2.3.4, about log N + k steps. */
 PM_API pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *neighbors,
                                size_t capacity, size_t *count);

@@ -98,7 +98,8 @@ void pm__job_free(pm__job *job);
 size_t pm__drawn_count(const pm__job *job, size_t count);
 size_t pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
                         pm_photon *photons, float (*normals)[3]);
-/* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the caller's. */
+/* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the
+ * caller's. */
 pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
                         pm_map **maps);
 bool pm__is_separate(const pm__deal *deal);

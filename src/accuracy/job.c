@@ -177,8 +177,9 @@ static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *err
 {
     if (v->k > job->photons)
         return pm__fail(error, PM_EINVAL,
-                        "--k %zu is more than the %zu photons that --sampler %s draws for --photons %zu in case %s", v->k,
-                        job->photons, job->sampler_spec->entry->name, job->asked_photons, job->case_spec->entry->name);
+                        "--k %zu is more than the %zu photons that --sampler %s draws for --photons %zu in case %s",
+                        v->k, job->photons, job->sampler_spec->entry->name, job->asked_photons,
+                        job->case_spec->entry->name);
     const pm__deal deal = deal_of(v->spec);
     return deal.maps > 1 && pm__is_separate(&deal) ? check_shares(job, v, error) : PM_OK;
 }
@@ -301,7 +302,8 @@ static double result_bytes(const pm__job *job)
 {
     const double variants = (double)job->variant_count, trials = (double)job->config->trials;
     const double choices = (double)(job->oracle_count * job->candidate_count);
-    const double errors = (variants + choices) * trials * sizeof(float), theory = (2.0 * variants + choices) * sizeof(double);
+    const double errors = (variants + choices) * trials * sizeof(float),
+                 theory = (2.0 * variants + choices) * sizeof(double);
     return probe_count_of(job) * (errors + theory + sizeof(pm__probe) + sizeof(double) + sizeof(keyed_probe));
 }
 

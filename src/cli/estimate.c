@@ -40,12 +40,13 @@ pm_status pm__estimate_check(const pm__estimate *e, pm_error *error)
     if (!(estimator->dimensions & 4))
         return pm__fail(error, PM_EINVAL, "--estimator %s does not work on surfaces", estimator->entry.name);
     if (maps > 1 && deal_of(e) == DEAL_SEPARATE)
-        return pm__fail(error, PM_EINVAL, "--estimator %s: deal=separate wants maps drawn separately, and a photon file "
-                                          "is one map; deal=random or deal=roundrobin divide it",
+        return pm__fail(error, PM_EINVAL,
+                        "--estimator %s: deal=separate wants maps drawn separately, and a photon file is one "
+                        "map; deal=random or deal=roundrobin divide it",
                         estimator->entry.name);
     if (e->lookup.k && e->lookup.k < least)
-        return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s, which needs at least %zu", e->lookup.k,
-                        estimator->entry.name, least);
+        return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s, which needs at least %zu",
+                        e->lookup.k, estimator->entry.name, least);
     return PM_OK;
 }
 

@@ -4,8 +4,8 @@
 
 #include "wide_select.h"
 
-/* Empties the candidates, or keeps the k best of them: for a fixed radius they are handed over, above MOST_SELECTED they go
- * into a heap of k. */
+/* Empties the candidates, or keeps the k best of them: for a fixed radius they are handed over, above MOST_SELECTED
+ * they go into a heap of k. */
 static void make_room(const walk *w)
 {
     collector *const c = w->found;
@@ -176,8 +176,8 @@ static size_t photons_under(const pm_map *map, const descent *d)
     return first + full <= map->count ? full : map->count > first ? map->count - first : 1;
 }
 
-/* The squared radius that holds k photons at the density of the box: of a surface where the box is flat, of a volume where
- * it is not; a margin makes too few rare. */
+/* The squared radius that holds k photons at the density of the box: of a surface where the box is flat, of a volume
+ * where it is not; a margin makes too few rare. */
 static float guess_radius2(const pm_map *map, const pm__query *query, const descent *d)
 {
     float e0 = d->extent[0], e1 = d->extent[1], e2 = d->extent[2], t;

@@ -1,7 +1,8 @@
 /* The search `wide`, written once for every SIMD width (simd.h).
  *
- * No heap: a radius is guessed from the local density, everything inside it is collected by compress and store, and the k
- * best are selected once. Too few found: a larger radius, and again. The guess only costs time; the answer is exact. */
+ * No heap: a radius is guessed from the local density, everything inside it is collected by compress and store, and the
+ * k best are selected once. Too few found: a larger radius, and again. The guess only costs time; the answer is
+ * exact. */
 #ifndef PM_SEARCH_WIDE_KERNEL_H
 #define PM_SEARCH_WIDE_KERNEL_H
 
@@ -92,7 +93,8 @@ static void find(const pm_map *map, const pm__query *query, pm__result *result)
 
 /* ---- sixteen at a time ------------------------------------------------------------------------ */
 
-/* Stage by stage, so that the memory accesses of many queries overlap: descend all, list the blocks of all, scan all. */
+/* Stage by stage, so that the memory accesses of many queries overlap: descend all, list the blocks of all, scan
+ * all. */
 typedef struct stage {
     descent d;
     block_list list;

@@ -17,7 +17,8 @@ enum {
     STACK = 16 * PM__WIDE_LEVELS
 };
 
-/* How much wider than the box's density says, and how much for the scatter of k: the cost of too many against too few. */
+/* How much wider than the box's density says, and how much for the scatter of k: the cost of too many against too
+ * few. */
 #define GUESS_MARGIN 1.1f
 #define GUESS_NOISE 1.2f
 
@@ -54,8 +55,9 @@ static inline unsigned measure_boxes(const pm__boxes *boxes, const pm__query *qu
     return mask;
 }
 
-/* The nearest box; of those that hold the query (boxes overlap: that of many faces of a room holds them all) the one whose
- * farthest corner is nearest, since small boxes say most of the density there. nearest: squared distances to all. */
+/* The nearest box; of those that hold the query (boxes overlap: that of many faces of a room holds them all) the one
+ * whose farthest corner is nearest, since small boxes say most of the density there. nearest: squared distances to
+ * all. */
 static inline unsigned nearest_box(const pm__boxes *boxes, const pm__query *query, float nearest[PM__LANES])
 {
     float farthest[PM__LANES];

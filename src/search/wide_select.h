@@ -84,8 +84,8 @@ static size_t divide(collector *c, float low, float high, pm_neighbor *middle, s
 
 enum { FEW = 32 };
 
-/* Few candidates: each one's rank is the number of those before it, counted at once for all by comparing each with every
- * other. False where distances tie, which the ids must decide. */
+/* Few candidates: each one's rank is the number of those before it, counted at once for all by comparing each with
+ * every other. False where distances tie, which the ids must decide. */
 static bool select_by_rank(collector *c, size_t k)
 {
     float d2[FEW];

@@ -175,10 +175,11 @@ START_TEST(tables)
     const char *out = pm__expect("accuracy --case square --estimator disc,hull:boundary=0 " SMALL, 0, NULL)->out;
     check_table(out, "95 % interval predicted");
     check_table(out, "Least rmse");
-    out = pm__expect("accuracy --case square,volume --trials 2 --probes 8 --photons 500 --k 12,15,20,30 --estimator all "
-                     "--estimator differential:rule=significance,z=2,noise=stratified",
-                     0, NULL)
-              ->out;
+    out =
+        pm__expect("accuracy --case square,volume --trials 2 --probes 8 --photons 500 --k 12,15,20,30 --estimator all "
+                   "--estimator differential:rule=significance,z=2,noise=stratified",
+                   0, NULL)
+            ->out;
     check_table(out, "   k=12 ");
     check_table(out, "\ndifferential:rule=significance,z=2,noise=stratified\n");
     check_table(out, "hull: unsupported");
@@ -230,9 +231,10 @@ START_TEST(interrupted)
 {
     const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();
     char json[PM__TEST_PATH], out[PM__TEST_PATH], err[PM__TEST_PATH], arguments[2 * PM__TEST_PATH];
-    (void)snprintf(arguments, sizeof arguments,
-                   "accuracy --case square --estimator disc --photons 40000 --k 10 --trials 100000 --probes 10 --json %s",
-                   pm__test_path(&place, "a.json", json));
+    (void)snprintf(
+        arguments, sizeof arguments,
+        "accuracy --case square --estimator disc --photons 40000 --k 10 --trials 100000 --probes 10 --json %s",
+        pm__test_path(&place, "a.json", json));
     const pid_t child =
         pm__start(arguments, pm__test_path(&streams, "out", out), pm__test_path(&streams, "err", err));
     /* Once its temporary file is there the program listens to signals. */

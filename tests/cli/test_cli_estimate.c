@@ -103,7 +103,8 @@ static void check_cone(const char *csv, size_t k)
         double e[3], radius;
         size_t count;
         csv += strcspn(csv, "\n") + 1;
-        ck_assert_int_eq(sscanf(csv, "%d,%lf,%lf,%lf,%lf,%zu%n", &number, &e[0], &e[1], &e[2], &radius, &count, &used), 6);
+        ck_assert_int_eq(sscanf(csv, "%d,%lf,%lf,%lf,%lf,%zu%n", &number, &e[0], &e[1], &e[2], &radius, &count, &used),
+                         6);
         ck_assert_int_eq(csv[used], '\n');
         ck_assert_int_eq(number, q);
         const size_t lit = points[q][2] > 0.0 ? PHOTONS - PHOTONS / 5 : PHOTONS / 5;
@@ -266,8 +267,8 @@ END_TEST
 static void write_hole(const char *name, const char *header, long count, long record)
 {
     char path[PM__TEST_PATH], text[1000];
-    const int length = snprintf(text, sizeof text, "ply\nformat binary_little_endian 1.0\nelement vertex %ld\n%s", count,
-                                header);
+    const int length =
+        snprintf(text, sizeof text, "ply\nformat binary_little_endian 1.0\nelement vertex %ld\n%s", count, header);
     pm__test_write(pm__test_path(&place, name, path), text, (size_t)length);
     ck_assert_int_eq(truncate(path, length + count * record), 0);
 }

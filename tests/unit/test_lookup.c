@@ -9,10 +9,23 @@
 
 enum { COUNT = 1000, MAX_MAPS = 64 };
 
-static const char *const names[] = {"disc", "disc:last=none", "cone", "cone:k=0.5", "gaussian", "gaussian:form=pavicic",
-                                    "gaussian:form=normalised", "epanechnikov", "biweight", "differential",
-                                    "differential:rule=significance", "hull", "hull:boundary=0,outside=zero", "combined",
-                                    "combined:rule=mean", "combined:maps=64", "precomputed",
+static const char *const names[] = {"disc",
+                                    "disc:last=none",
+                                    "cone",
+                                    "cone:k=0.5",
+                                    "gaussian",
+                                    "gaussian:form=pavicic",
+                                    "gaussian:form=normalised",
+                                    "epanechnikov",
+                                    "biweight",
+                                    "differential",
+                                    "differential:rule=significance",
+                                    "hull",
+                                    "hull:boundary=0,outside=zero",
+                                    "combined",
+                                    "combined:rule=mean",
+                                    "combined:maps=64",
+                                    "precomputed",
                                     "precomputed:when=demand,form=unbiased"};
 enum { NAMES = sizeof names / sizeof *names };
 
@@ -101,7 +114,8 @@ START_TEST(scales_exactly)
                     const double radius = cut ? 0.0625 : INFINITY;
                     pm_estimation near, far;
                     const pm_status status = estimate(names[n], photons, COUNT, at, 200, radius, dimensions, &near);
-                    ck_assert_int_eq(estimate(names[n], moved, COUNT, there, 200, radius * f, dimensions, &far), status);
+                    ck_assert_int_eq(estimate(names[n], moved, COUNT, there, 200, radius * f, dimensions, &far),
+                                     status);
                     ck_assert_uint_eq(near.count, far.count);
                     PM_CHECK_NEAR(far.radius, near.radius * f, 0.0);
                     for (int c = 0; c < 3; c++)
@@ -333,4 +347,5 @@ START_TEST(threads_share_a_map)
 }
 END_TEST
 
-PM_TEST_MAIN("lookup", scales_exactly, hopeless_clouds, negative_powers, no_handles, empty_maps_among_others, absurd_requests, threads_share_a_map)
+PM_TEST_MAIN("lookup", scales_exactly, hopeless_clouds, negative_powers, no_handles, empty_maps_among_others,
+             absurd_requests, threads_share_a_map)
