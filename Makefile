@@ -20,7 +20,8 @@ PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PRO
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
 CXX ?= c++
 HASH := \#
-has_header = $(shell printf '$(HASH)if !__has_include(<$(1)>)\n$(HASH)error\n$(HASH)endif\n' | $(CXX) -std=c++17 -E -x c++ - >/dev/null 2>&1 && echo yes)
+has_header = $(shell printf '$(HASH)if !__has_include(<$(1)>)\n$(HASH)error\n$(HASH)endif\n' | \
+    $(CXX) -std=c++17 -E -x c++ - >/dev/null 2>&1 && echo yes)
 peer_if = $(if $(call has_header,$(2)),$(1))
 PEERS ?= $(call peer_if,nanoflann,nanoflann.hpp) $(call peer_if,flann,flann/flann.hpp) $(call peer_if,ann,ANN/ANN.h) \
     $(call peer_if,cgal,CGAL/Kd_tree.h) $(call peer_if,embree,embree3/rtcore.h)
@@ -46,6 +47,9 @@ FLAGS = $(strip $(CC) $(PM_CFLAGS) $(OPENMP) $(LDFLAGS))
 KINDS ?=
 # The commands that install their dependencies build on all processors, unless make was told how many.
 PARALLEL = $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
+
+# Headers that a target depends on. By a name that holds whichever way BUILD is spelt: build, ./build, or its full path.
+DEPENDENCIES = -MMD -MP -MT '$$(BUILD)$(patsubst $(BUILD)%,%,$@)'
 
 Q = $(if $(V),,@)
 say = $(if $(V),,@printf '  %-7s %s\n' $(1) $(2))
@@ -129,15 +133,17 @@ $(LIB_OBJECTS): PM_EXTRA = -fPIC -fvisibility=hidden
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 $(BUILD)/obj/src/search/wide_v2.o $(BUILD)/obj/src/search/grid_v2.o: PM_EXTRA += -O3 -msse4.2 -mpopcnt
 $(BUILD)/obj/src/search/wide_avx2.o $(BUILD)/obj/src/search/grid_avx2.o: PM_EXTRA += -O3 -mavx2 -mbmi -mbmi2 -mpopcnt
-$(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_EXTRA += -O3 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
+$(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_EXTRA += -O3 \
+    -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
 endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
-$(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))"'
+BUILD_FLAGS = $(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))
+$(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(BUILD_FLAGS)"'
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 	$(call say,CC,$<)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) $(DEPENDENCIES) -c $< -o $@
 
 $(BUILD)/obj/bench/peers/list.o: PM_EXTRA += $(PEER_DEFINES)
 $(BUILD)/obj/bench/peers/list.o: $(BUILD)/obj/bench/peers/.found
@@ -150,7 +156,7 @@ $(BUILD)/obj/bench/peers/.found: .FORCE
 $(BUILD)/obj/bench/peers/%.o: bench/peers/%.cc $(BUILD)/obj/bench/peers/.found
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CXX) $(PEER_CXXFLAGS) -MMD -MP -c $< -o $@
+	$(Q)$(CXX) $(PEER_CXXFLAGS) $(DEPENDENCIES) -c $< -o $@
 
 $(BUILD)/libphotonmap.a: $(LIB_OBJECTS)
 	$(call say,AR,$@)
@@ -177,10 +183,10 @@ $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' -MMD -MP -MF $@.d $(LDFLAGS) $< \
+	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $< \
 	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
-.PHONY: all lib program install uninstall clean demo run-demo bench run-bench check check-san check-full tests run-tests \
-    deps deps-build deps-bench help .FORCE
+.PHONY: all lib program install uninstall clean demo run-demo bench run-bench \
+    check check-san check-full tests run-tests deps deps-build deps-bench help .FORCE
 .DELETE_ON_ERROR:

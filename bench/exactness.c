@@ -106,8 +106,9 @@ static pm_status ask_brute(const pm_map *map, pm__reference *r)
     return status;
 }
 
-pm_status pm__reference_create(const pm_map *map, const pm_photon *photons, size_t photon_count, const pm_query *queries,
-                               size_t query_count, size_t stride, const pm_parallel *parallel, pm__reference *reference)
+pm_status pm__reference_create(const pm_map *map, const pm_photon *photons, size_t photon_count,
+                               const pm_query *queries, size_t query_count, size_t stride, const pm_parallel *parallel,
+                               pm__reference *reference)
 {
     pm__reference *const r = reference;
     /* A loop in double may find a few at the radius that float leaves out. */

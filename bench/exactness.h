@@ -16,14 +16,15 @@ typedef struct pm__reference {
     size_t stride;        /* room for the results of a query */
     uint32_t *ids;        /* [query * stride]: brute force's, ascending */
     size_t counts[PM__CHECKED_QUERIES];
-    double *distances;    /* [query * stride], m, ascending, of the plain loop; for a radius also those just beyond it */
+    double *distances; /* [query * stride], m, ascending, of the plain loop; for a radius also those just beyond it */
     size_t distance_counts[PM__CHECKED_QUERIES];
 } pm__reference;
 
-/* map: holds the photons, whatever it was made for. queries: the sample is spread evenly over them. stride: at least what any of them finds.
- * ENOMEM and what a search may say. Destroy always. Cost: 2 * 64 passes over the photons. */
-pm_status pm__reference_create(const pm_map *map, const pm_photon *photons, size_t photon_count, const pm_query *queries,
-                               size_t query_count, size_t stride, const pm_parallel *parallel, pm__reference *reference);
+/* map: holds the photons, whatever it was made for. queries: the sample is spread evenly over them. stride: at least
+ * what any of them finds. ENOMEM and what a search may say. Destroy always. Cost: 2 * 64 passes over the photons. */
+pm_status pm__reference_create(const pm_map *map, const pm_photon *photons, size_t photon_count,
+                               const pm_query *queries, size_t query_count, size_t stride, const pm_parallel *parallel,
+                               pm__reference *reference);
 void pm__reference_destroy(pm__reference *reference);
 
 /* Mean number of photons found. */

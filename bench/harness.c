@@ -283,11 +283,13 @@ static int fill_result(session *s, size_t index, double level, pm__bench_result 
     return 0;
 }
 
-/* From the control, not the samples: units of the workload may well differ, and do so in the samples, but cancel here. */
+/* From the control, not the samples: units of the workload may well differ, and do so in the samples, but cancel
+ * here. */
 static const char *warning_for(const pm__bench_report *report, size_t pairs, size_t outliers)
 {
     if (report->aa_noise > loud)
-        return "the same work, timed twice, differs by more than 5 % as a rule: close other programs, set the frequency "
+        return "the same work, timed twice, differs by more than 5 % as a rule: close other programs, "
+               "set the frequency "
                "governor to performance, pin the program to one core (taskset -c 1), or give it more time";
     if (10 * outliers > pairs)
         return "more than one round in ten is an outlier: something else runs now and then; close it, or pin the "
@@ -298,7 +300,8 @@ static const char *warning_for(const pm__bench_report *report, size_t pairs, siz
     return NULL;
 }
 
-/* The baseline against itself. Rounds 2j and 2j+1 make a pair, in which the two do the same units, the other way round. */
+/* The baseline against itself. Rounds 2j and 2j+1 make a pair, in which the two do the same units, the other way
+ * round. */
 static void fill_control(session *s, pm__bench_report *report)
 {
     const series *const a = &s->all[s->config.baseline], *const b = &s->all[s->count - 1];

@@ -1,14 +1,14 @@
 /* The timing harness: how variants of the same work compare, with intervals, on a machine that is shared.
  *
- * All variants are run interleaved in random order, in rounds; a round gives each variant one sample: the time of enough
- * repetitions for the clock. Ratios are taken within rounds, so drift and other users cancel. The ratio's interval is the
- * distribution-free one of the median of paired log-ratios (the inversion of the sign test), at a level corrected for the
- * number of comparisons (Bonferroni); a variant's own time has the median's 95 % interval from order statistics. Outliers
- * are counted and reported, never dropped. Each run holds an A/A control: the baseline twice, as two variants; it must come
- * out as "not distinguishable" but for the stated false-alarm rate.
+ * All variants are run interleaved in random order, in rounds; a round gives each variant one sample: the time of
+ * enough repetitions for the clock. Ratios are taken within rounds, so drift and other users cancel. The ratio's
+ * interval is the distribution-free one of the median of paired log-ratios (the inversion of the sign test), at a level
+ * corrected for the number of comparisons (Bonferroni); a variant's own time has the median's 95 % interval from order
+ * statistics. Outliers are counted and reported, never dropped. Each run holds an A/A control: the baseline twice, as
+ * two variants; it must come out as "not distinguishable" but for the stated false-alarm rate.
  *
- * Within a round all variants start at the same unit, drawn at random, and do as many units as the budget allows them of
- * the number that the fastest needs, so that ratios are of the same work as far as can be. Only the second baseline
+ * Within a round all variants start at the same unit, drawn at random, and do as many units as the budget allows them
+ * of the number that the fastest needs, so that ratios are of the same work as far as can be. Only the second baseline
  * starts elsewhere, or one of the two would find the other's memory in the cache and seem faster than it is to
  * everyone else; in the next round the two change places, and their ratio is taken over both rounds. */
 #ifndef PM_BENCH_HARNESS_H
@@ -25,8 +25,8 @@ typedef struct pm__clock {
 
 pm__clock pm__monotonic_clock(void);
 
-/* One variant of the work. run does `repetitions` units of it (one query each, say), starting at unit `first` of an endless
- * cycle; it must do the same work for the same numbers. */
+/* One variant of the work. run does `repetitions` units of it (one query each, say), starting at unit `first` of an
+ * endless cycle; it must do the same work for the same numbers. */
 typedef struct pm__bench_variant {
     const char *name;
     void (*run)(void *context, size_t first, size_t repetitions);
@@ -40,7 +40,7 @@ typedef struct pm__bench_config {
     size_t min_rounds, max_rounds; /* 12 and 400 if 0 */
     size_t baseline;        /* index of the variant that the others are compared with */
     uint64_t seed;          /* of the order */
-    bool counters;          /* cycles and instructions of the calling thread in user mode, where the kernel gives them */
+    bool counters; /* cycles and instructions of the calling thread in user mode, where the kernel gives them */
     bool (*canceled)(void *context);
     void (*progress)(void *context, double fraction);
     void *context;
@@ -71,14 +71,14 @@ typedef struct pm__bench_report {
     const char *warning;    /* NULL, or what is wrong and its remedy */
 } pm__bench_report;
 
-/* ECANCELED: the rounds that were complete are in the report; free it then too. EINVAL: no variants, or no such baseline;
- * ENOMEM. Runs on the calling thread. */
+/* ECANCELED: the rounds that were complete are in the report; free it then too. EINVAL: no variants, or no such
+ * baseline; ENOMEM. Runs on the calling thread. */
 pm_status pm__bench_run(const pm__bench_config *config, const pm__bench_variant *variants, size_t count,
                         pm__bench_report *report, pm_error *error);
 void pm__bench_free(pm__bench_report *report);
 
-/* Median of n values and the interval for the median that covers with `level` (0.95, or more after correction) at least:
- * the sign test's. values are sorted in place. The range where n is too small for the level. */
+/* Median of n values and the interval for the median that covers with `level` (0.95, or more after correction) at
+ * least: the sign test's. values are sorted in place. The range where n is too small for the level. */
 double pm__sign_interval(double *values, size_t n, double level, pm__interval *interval);
 
 /* The rank r of that interval, [x_r, x_(n+1-r)] counted from 1, and the probability that it misses the median; 0 and 0

@@ -30,8 +30,8 @@ typedef struct pm__peer {
      * One thread at a time: the index holds the scratch memory. */
     size_t (*nearest)(void *index, const float point[3], size_t k, uint32_t *ids, float *distances2);
 
-    /* All points with distance <= radius, in any order; ids: room for capacity. Returns how many there are; where that is
-     * more than capacity, ids' content is undefined. NULL: the library cannot. */
+    /* All points with distance <= radius, in any order; ids: room for capacity. Returns how many there are; where that
+     * is more than capacity, ids' content is undefined. NULL: the library cannot. */
     size_t (*within)(void *index, const float point[3], float radius, size_t capacity, uint32_t *ids);
 
     /* Bytes of the index, and of the points where queries read them. */

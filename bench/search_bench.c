@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_QUERIES = 131072, FEWEST_QUERIES = 4096, BYTES_A_PHOTON = 130, SLOW_BRUTE = 100000, NONE = -1 };
+enum { MOST_QUERIES = 131072, FEWEST_QUERIES = 4096, SLOW_BRUTE = 100000, NONE = -1 };
 
 double pm__search_clock(void)
 {
@@ -63,7 +63,7 @@ static pm_status make_team(const pm__search_config *config, size_t photons, team
             t->slow = (long)t->count;
         t->members[t->count++] = *contender;
     }
-    t->together = (double)photons * (double)t->count * BYTES_A_PHOTON < 0.5 * available_memory();
+    t->together = (double)photons * (double)t->count * PM__INDEX_BYTES < 0.5 * available_memory();
     return PM_OK;
 }
 
@@ -117,7 +117,8 @@ static pm_status run_group(pm__search_group *group, pm__search_progress *progres
             if (!group->queries[order])
                 continue;
             if (config->progress)
-                config->progress(config->context, (double)progress->weight_done / (double)progress->weight, group->case_name);
+                config->progress(config->context, (double)progress->weight_done / (double)progress->weight,
+                                 group->case_name);
             status = pm__search_compare(group, i < config->k_count ? config->ks[i] : 0, order == 1, progress, error);
             progress->runs_done++;
             progress->weight_done += group->weight;
@@ -254,11 +255,28 @@ static pm_status run_set(const pm__search_config *config, const pm__workload *wo
     return status;
 }
 
-/* Runs to come, for the time that each may take. */
-static pm_status count_runs(const pm__search_config *config, size_t photons, pm__search_progress *progress)
+/* A system that promises more memory than it has kills who takes it at its word: so ask first. At least two indices
+ * are there at once, one of them the baseline's. */
+static pm_status check_memory(const pm__search_config *config, size_t photons, const team *t, pm_error *error)
+{
+    const size_t point = sizeof(float[3]), drawn = config->given_name ? 0 : sizeof(pm_photon);
+    const double a_photon = (double)(point + drawn + (t->count < 2 ? t->count : 2) * PM__INDEX_BYTES);
+    const double needed = (double)photons * a_photon, memory = available_memory();
+    if (needed <= memory)
+        return PM_OK;
+    return pm__fail(error, PM_ENOMEM, "%zu photons and two indices of them take %.3g GB of memory; %.3g GB are free",
+                    photons, 1e-9 * needed, 1e-9 * memory);
+}
+
+/* Runs to come, for the time that each may take. ENOMEM where they would not fit. */
+static pm_status count_runs(const pm__search_config *config, size_t photons, pm__search_progress *progress,
+                            pm_error *error)
 {
     team t;
-    const pm_status status = make_team(config, photons, &t);
+    pm_status status = make_team(config, photons, &t);
+    if (status != PM_OK)
+        return pm__fail(error, status, "out of memory");
+    status = check_memory(config, photons, &t, error);
     for (size_t g = 0; status == PM_OK && g < team_groups(&t); g++)
         progress->weight +=
             group_weight(&t, g) * kinds_of_query(config) * ((size_t)config->coherent + (size_t)config->random);
@@ -266,15 +284,16 @@ static pm_status count_runs(const pm__search_config *config, size_t photons, pm_
     return status;
 }
 
-static pm_status run_all(const pm__search_config *config, bool count_only, pm__search_progress *progress, pm_error *error)
+static pm_status run_all(const pm__search_config *config, bool count_only, pm__search_progress *progress,
+                         pm_error *error)
 {
     pm_status status = PM_OK;
     if (config->given_name)
-        return count_only ? count_runs(config, config->given_count, progress)
+        return count_only ? count_runs(config, config->given_count, progress, error)
                           : run_set(config, NULL, config->given_count, progress, error);
     for (size_t c = 0; c < config->case_count; c++)
         for (size_t n = 0; n < config->photon_count && status == PM_OK; n++)
-            status = count_only ? count_runs(config, config->photons[n], progress)
+            status = count_only ? count_runs(config, config->photons[n], progress, error)
                                 : run_set(config, (const pm__workload *)(const void *)config->cases[c].entry,
                                           config->photons[n], progress, error);
     return status;
@@ -284,10 +303,11 @@ pm_status pm__search_run(const pm__search_config *config, pm__search_row **rows,
 {
     pm__search_progress progress = {.start = pm__search_clock()};
     pm_status status = run_all(config, true, &progress, error);
-    if (status == PM_OK)
+    if (status == PM_OK) {
         status = run_all(config, false, &progress, error);
-    if (status == PM_ENOMEM)
-        (void)pm__fail(error, PM_ENOMEM, "out of memory");
+        if (status == PM_ENOMEM)
+            (void)pm__fail(error, PM_ENOMEM, "out of memory");
+    }
     *rows = progress.rows;
     *count = progress.count;
     return status;

@@ -1,8 +1,9 @@
 /* The comparison behind `photonbench search`: searches and peers on the same photons and queries, in one run.
  *
  * For each point set and number of photons every contender's index is built several times, interleaved, timed, and kept
- * once; then, for each k or radius and each order of queries, all are checked against brute force and timed against each
- * other by the harness. Where the indices do not fit in memory together, each is paired with the baseline alone. */
+ * once; then, for each k or radius and each order of queries, all are checked against brute force and timed against
+ * each other by the harness. Where the indices do not fit in memory together, each is paired with the baseline
+ * alone. */
 #ifndef PM_BENCH_SEARCH_BENCH_H
 #define PM_BENCH_SEARCH_BENCH_H
 
@@ -10,6 +11,9 @@
 #include "contender.h"
 #include "harness.h"
 #include "workloads.h"
+
+/* Bytes a photon that any index may take while it is built, peers' included. */
+enum { PM__INDEX_BYTES = 130 };
 
 typedef struct pm__search_config {
     const pm__spec *cases; /* of pm__workloads */
@@ -77,7 +81,8 @@ typedef struct pm__search_row {
 } pm__search_row;
 
 /* Rows in the order of the run; free by pm__search_free, also after an error. ECANCELED: the runs that were complete.
- * Rows refer to the config's names. */
+ * ENOMEM, too where a set and two indices of it would not fit into the free memory: found out before any run. Rows
+ * refer to the config's names. */
 pm_status pm__search_run(const pm__search_config *config, pm__search_row **rows, size_t *count, pm_error *error);
 void pm__search_free(pm__search_row *rows, size_t count);
 

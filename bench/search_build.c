@@ -30,7 +30,8 @@ static void build_one(const pm__search_group *group, pm__built *built, bool keep
     const pm_status status = pm__bench_index_build(&contender, &group->photons, &built->index, &error);
     *seconds = 1e3 * (pm__search_clock() - start);
     if (status != PM_OK)
-        (void)snprintf(built->problem, sizeof built->problem, "%.150s", *error.text ? error.text : pm_status_text(status));
+        (void)snprintf(built->problem, sizeof built->problem, "%.150s",
+                       *error.text ? error.text : pm_status_text(status));
     else if (!keep)
         pm__bench_index_destroy(&built->index);
 }
@@ -38,7 +39,8 @@ static void build_one(const pm__search_group *group, pm__built *built, bool keep
 pm_status pm__search_build(pm__search_group *group)
 {
     const pm__search_config *const config = group->config;
-    const size_t count = group->built_count, rounds = config->samples && config->samples < BUILDS ? config->samples : BUILDS;
+    const size_t count = group->built_count,
+                 rounds = config->samples && config->samples < BUILDS ? config->samples : BUILDS;
     double *const ms = pm__alloc(count * rounds, sizeof *ms);
     size_t *const order = pm__alloc(count, sizeof *order);
     pm_status status = ms && order ? PM_OK : PM_ENOMEM;

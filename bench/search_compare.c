@@ -65,7 +65,8 @@ static int compare_doubles(const void *a, const void *b)
 }
 
 /* The median over a sample of queries of the distance to the n-th photon. */
-static pm_status radius_for(const pm_map *scout, const pm_surface_point *queries, size_t count, size_t n, double *radius)
+static pm_status radius_for(const pm_map *scout, const pm_surface_point *queries, size_t count, size_t n,
+                            double *radius)
 {
     static const pm__shape plain = {PM_LOOKUP_SPHERE, 0.0, false};
     double distances[PM__CHECKED_QUERIES];

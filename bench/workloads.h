@@ -1,7 +1,7 @@
 /* Point sets that searches are timed on, and the queries that go with them.
  *
- * A photon depends on (seed, number) alone, so sets are the same whatever draws them, and a smaller set is the beginning
- * of a larger one. Lengths in m. */
+ * A photon depends on (seed, number) alone, so sets are the same whatever draws them, and a smaller set is the
+ * beginning of a larger one. Lengths in m. */
 #ifndef PM_BENCH_WORKLOADS_H
 #define PM_BENCH_WORKLOADS_H
 

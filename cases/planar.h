@@ -21,9 +21,9 @@ typedef struct pm__rectangle {
 extern const pm__rectangle pm__unit_square;
 extern const pm__rectangle pm__inset_square; /* 0.15 m from every side: domain edges are out of reach */
 
-/* The integral of `irradiance` over the part of the rectangle at distances (r0, r1] from the probe: polar quadrature whose arcs end
- * where the circle leaves the rectangle. Relative error below 1e-7 for irradiance that varies over lengths of (r1-r0)/3
- * along and r/3 around. An infinite rectangle is allowed. */
+/* The integral of `irradiance` over the part of the rectangle at distances (r0, r1] from the probe: polar quadrature
+ * whose arcs end where the circle leaves the rectangle. Relative error below 1e-7 for irradiance that varies over
+ * lengths of (r1-r0)/3 along and r/3 around. An infinite rectangle is allowed. */
 double pm__mass_rectangle(double (*irradiance)(const double *values, double x, double y), const double *values,
                           const pm__rectangle *rectangle, const pm__probe *probe, double r0, double r1);
 

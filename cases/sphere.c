@@ -2,14 +2,17 @@
  *
  * Truth. Light of flux density E0 travels along -z: E = E0 max(0, cos theta), theta from the pole. The sphere of radius
  * a catches E0 pi a^2.
- * Photons. Uniform across the beam: a uniform point (x, y) of the disc of radius a, lifted to z = sqrt(a^2 - x^2 - y^2).
+ * Photons. Uniform across the beam: a uniform point (x, y) of the disc of radius a, lifted to
+ * z = sqrt(a^2 - x^2 - y^2).
  * Theory. What lies within the chord s of a probe at theta0 is a cap, bounded by a circle of radius
  * rho^2 = s^2 (1 - s^2 / (4 a^2)) in the plane a cos gamma = a - s^2 / (2 a) from the centre. The light that a patch
- * catches is E0 times the z component of its vector area, which depends on its boundary only. The lit part of the cap is
- * bounded by the part of that circle above z = 0 and the part of the terminator inside the cap, which share a chord; so
- * its vector area is that of two plane segments:
- *     of the cap's circle, beyond a chord at -c from its centre, c = a cos gamma / tan theta0:  segment(rho, -c) cos theta0
- *     of the terminator's disc, beyond e = a cos gamma / sin theta0:                            segment(a, e)
+ * catches is E0 times the z component of its vector area, which depends on its boundary only. The lit part of the cap
+ * is bounded by the part of that circle above z = 0 and the part of the terminator inside the cap, which share a chord;
+ * so its vector area is that of two plane segments:
+ *     of the cap's circle, beyond a chord at -c from its centre, c = a cos gamma / tan theta0:
+ *         segment(rho, -c) cos theta0
+ *     of the terminator's disc, beyond e = a cos gamma / sin theta0:
+ *         segment(a, e)
  * with segment(R, d) = R^2 (acos(d/R) - d/R sqrt(1 - d^2/R^2)), d clamped to [-R, R], which covers caps that are all
  * lit, all dark, or hold the whole terminator; it is R^2 (x - sin x) / 2 with x = 2 acos(d/R).
  * All lit: E0 cos theta0 pi s^2 (1 - s^2 / (4 a^2)).

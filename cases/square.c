@@ -4,7 +4,8 @@
  * Photons. x = u0, y = u1.
  * Theory. The photons within r of a probe carry E0 times the area of the disc of radius r inside the square. All
  * lie in the plane of the probe, so each shape of lookup measures the same distance. At distance q r from one side,
- * the fraction inside is 1 - (acos q - q sqrt(1 - q^2)) / pi; its mean over the square is 1 - 8r/(3 pi) + r^2/(2 pi). */
+ * the fraction inside is 1 - (acos q - q sqrt(1 - q^2)) / pi; its mean over the square is
+ * 1 - 8r/(3 pi) + r^2/(2 pi). */
 #include "planar.h"
 
 enum { IRRADIANCE };

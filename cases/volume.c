@@ -1,8 +1,8 @@
 /* Uniform ball of a medium: the estimate in three dimensions, with a boundary.
  *
  * Truth. Flux density F everywhere in a ball of radius 1 m.
- * Photons. Uniform in the ball, cut into boxes by x, then y, then z, so that strata are boxes that are near cubes in the
- * middle. The CDF of x is 1/2 + (3x - x^3) / 4, solved by x = 2 sin(asin(2 u0 - 1) / 3). Across the slice of radius
+ * Photons. Uniform in the ball, cut into boxes by x, then y, then z, so that strata are boxes that are near cubes in
+ * the middle. The CDF of x is 1/2 + (3x - x^3) / 4, solved by x = 2 sin(asin(2 u0 - 1) / 3). Across the slice of radius
  * q = sqrt(1 - x^2), y = q sin t has the CDF 1/2 + (2t + sin 2t) / (2 pi). z is uniform along the chord. In the middle
  * dx : dy : dz = 4/3 : pi/2 : 2 for equal steps of u.
  * Theory. A ball around the probe holds F times the volume common to both balls. For the other shapes of lookup no

@@ -4,8 +4,8 @@
 
 enum { LAST };
 
-static const pm__param params[] = {
-    {"last", PM__CHOICE, 0, 0, 0, "", "full|half|none", "share of the farthest photon used: full as in the disc, none is unbiased"}};
+static const pm__param params[] = {{"last", PM__CHOICE, 0, 0, 0, "", "full|half|none",
+                                    "share of the farthest photon used: full as in the disc, none is unbiased"}};
 
 static inline double weight(const double *values, double t2)
 {

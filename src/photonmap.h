@@ -13,6 +13,9 @@
  * library never prints, never exits, keeps no global state and starts no threads.
  * Threads: a pm_map, a pm_estimator and a pm_precomputed may be read by any number of threads at once;
  * a pm_workspace belongs to one thread at a time.
+ * NULL for a handle: functions that return a pm_status give EINVAL, pm_*_destroy and pm_free do nothing, and the small
+ * readers (pm_map_bytes, _simd, _count, _photon, _source, _unit, _max_power, pm_estimator_name, _maps,
+ * pm_precomputed_computed, pm_photon_pack, _unpack, pm_query_init) must not be given it: the behaviour is undefined.
  * Sources cited: [C02] SIGGRAPH 2002 course 43; [J96] Jensen, "Global illumination using photon maps",
  * 1996; [J98] Jensen & Christensen 1998. docs/errata.md says where the code departs from print, and why.
  */
@@ -68,7 +71,7 @@ typedef struct pm_error {
 typedef struct pm_photon {
     float position[3];  /* m, finite */
     float direction[3]; /* the direction of travel, unit */
-    float power[3];     /* W in each colour band, finite */
+    float power[3];     /* W in each colour band, finite; below 0: see pm_map_create */
 } pm_photon;
 
 /* The 20-byte record of [C02] 2.1.3: shared-exponent power, two bytes of direction.
@@ -132,17 +135,22 @@ typedef struct pm_map_options {
  * Errors: ENONFINITE for a position, direction or power that is NaN or infinite (error names its
  * index), EINVAL, ENOMEM. On error *map is NULL. Destroy with pm_map_destroy.
  * Positions are kept relative to a centre and scaled by a power of two, both chosen so that no position
- * is rounded (but for coordinates below 2^-126 of the extent). Cost: O(N log N); memory: 40 bytes a photon and what
- * pm_map_bytes says, 16 more while building. */
+ * is rounded (but for coordinates below 2^-126 of the extent).
+ * Negative powers are taken as they are: searches do not look at powers, estimates are sums weighted with them and may
+ * be negative then (`differential` decides by the sums where to stop). pm_map_max_power passes over them.
+ * Cost: O(N log N). Memory in bytes a photon: 40 for position, index, direction and power, and for the structure 5
+ * (wide), 16 (recursive, iterative, stackfree), 20 (unbalanced), up to 4 (grid) or none (brute); while it is built 16
+ * more (unbalanced 32, grid 36). The caller's array is not counted. */
 PM_API pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_options *options,
                                pm_map **map, pm_error *error);
 PM_API void pm_map_destroy(pm_map *map); /* NULL is allowed */
 
-/* Makes a map fit for a further search by adding the structure that it walks; nothing where it has it. No other thread may
- * use the map meanwhile. EINVAL for `wide`, which can only be created; ENOMEM. */
+/* Makes a map fit for a further search by adding the structure that it walks; nothing where it has it. No other thread
+ * may use the map meanwhile. EINVAL for `wide`, which can only be created; ENOMEM. */
 PM_API pm_status pm_map_prepare(pm_map *map, const pm_search *search, const pm_parallel *parallel, pm_error *error);
 
-/* Bytes held by the structures of a map and the photons' indices; directions and powers are not counted. */
+/* Bytes held for searching: a map's structures, the photons' indices, and their positions (once, where a tree has them
+ * in its nodes). Directions and powers, 24 bytes a photon, are not counted. */
 PM_API size_t pm_map_bytes(const pm_map *map);
 
 /* The name of the SIMD width that a map uses: "plain", "v2", "avx2", "avx512". */
@@ -157,10 +165,11 @@ PM_API uint32_t pm_map_source(const pm_map *map, uint32_t number);
 /* Metres in a unit of the map's own lengths (a power of two): see pm_neighbor. */
 PM_API double pm_map_unit(const pm_map *map);
 
-/* The largest photon power over all bands, W: the bound of [C02] 5.2.3. 0 in an empty map. */
+/* The largest photon power over all bands, W: the bound of [C02] 5.2.3. 0 where none is positive. */
 PM_API double pm_map_max_power(const pm_map *map);
 
-/* Verifies every invariant (index set, heap order, split planes, ids). EBROKEN says which. O(N log N). */
+/* Verifies every invariant (index set, heap order, split planes, ids). EBROKEN says which; EINVAL: no map.
+ * O(N log N). */
 PM_API pm_status pm_map_check(const pm_map *map, pm_error *error);
 
 /* ---- Search ----------------------------------------------------------------------------------- */
@@ -196,16 +205,18 @@ typedef struct pm_neighbor {
 } pm_neighbor;
 
 /* Finds the k nearest photons that the query accepts, exactly; equal distances go to the lower caller's
- * index. Each search algorithm finds the same set; EINVAL where the map was not made for the query's. neighbors: the caller's buffer of `capacity` entries;
- * with k > 0 capacity must be >= min(k, pm_map_count). *count: how many were found. With k = 0 and more
- * in the sphere than fit: ETRUNCATED, *count says how many there are, the buffer's content is undefined.
+ * index. Each search algorithm finds the same set; EINVAL where the map was not made for the query's.
+ * neighbors: the caller's buffer of `capacity` entries; with k > 0 capacity must be >= min(k, pm_map_count). *count:
+ * how many were found. With k = 0 and more in the sphere than fit: ETRUNCATED, *count says how many there are, the
+ * buffer's content is undefined.
  * Errors: EINVAL (also NaN in the query). Cost: [C02] 2.3.4, about log N + k steps. */
 PM_API pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *neighbors,
                                size_t capacity, size_t *count);
 
-/* Many queries at once, [i * stride] on neighbours of query i: faster than one by one where the search has a form for it
- * (wide: sixteen at a time). As pm_map_search otherwise; with k = 0 a query that finds more than stride is ETRUNCATED,
- * counts[] says how many. The first status that is not OK is returned; counts of queries from it on are 0. */
+/* Many queries at once, [i * stride] on neighbours of query i: faster than one by one where the search has a form for
+ * it (wide: sixteen at a time). As pm_map_search otherwise; with k = 0 a query that finds more than stride is
+ * ETRUNCATED, counts[] says how many. The first status that is not OK is returned; counts of queries from it on are
+ * 0. */
 PM_API pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries, size_t query_count,
                                      pm_neighbor *neighbors, size_t stride, size_t *counts);
 

@@ -133,7 +133,8 @@ static inline int pm__chart_locate(const pm__case *c, const double *values, cons
     }
     PM_CHECK_NEAR(height, 0.0, 1e-12);
     for (int i = 0; i < c->dimensions; i++)
-        ck_assert_msg(st[i] >= -1e-12 && st[i] <= 1.0 + 1e-12, "%s: chart coordinate %d is %g", c->entry.name, i, st[i]);
+        ck_assert_msg(st[i] >= -1e-12 && st[i] <= 1.0 + 1e-12, "%s: chart coordinate %d is %g", c->entry.name, i,
+                      st[i]);
     return chart;
 }
 

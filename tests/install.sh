@@ -1,6 +1,6 @@
 #!/bin/sh
-# install.sh BUILD   installs into a folder of its own, then compiles and runs a small program against the installed copy
-# as an outsider would: by pkg-config, shared and static; and checks what the shared library exports.
+# install.sh BUILD   installs into a folder of its own, then compiles and runs a small program against the installed
+# copy as an outsider would: by pkg-config, shared and static; and checks what the shared library exports.
 set -eu
 build=$1
 root=$(mktemp -d)
@@ -20,14 +20,19 @@ int main(void)
 {
     pm_photon photons[100];
     for (int i = 0; i < 100; i++) /* a 10 x 10 grid, 1 cm apart, 1 mW each: 10 W/m2 */
-        photons[i] = (pm_photon){{0.01f * (float)(i % 10), 0.01f * (float)(i / 10), 0}, {0, 0, -1}, {1e-3f, 1e-3f, 1e-3f}};
+        photons[i] = (pm_photon){
+            {0.01f * (float)(i % 10), 0.01f * (float)(i / 10), 0}, {0, 0, -1}, {1e-3f, 1e-3f, 1e-3f}};
     pm_map *map = NULL;
     pm_estimator *disc = NULL;
     pm_workspace *workspace = NULL;
-    pm_error error;
-    if (pm_map_create(photons, 100, NULL, &map, &error) || pm_estimator_create("disc", &disc, &error) ||
-        pm_workspace_create(20, &workspace)) {
-        fprintf(stderr, "%s\n", error.text);
+    pm_error error = {""};
+    pm_status status = pm_map_create(photons, 100, NULL, &map, &error);
+    if (status == PM_OK)
+        status = pm_estimator_create("disc", &disc, &error);
+    if (status == PM_OK)
+        status = pm_workspace_create(20, &workspace);
+    if (status != PM_OK) {
+        fprintf(stderr, "%s\n", *error.text ? error.text : pm_status_text(status));
         return 1;
     }
     pm_query query;
@@ -37,7 +42,7 @@ int main(void)
     const pm_map *const maps[] = {map};
     const pm_source source = {.maps = maps, .map_count = 1, .dimensions = 2};
     pm_estimation estimation;
-    const pm_status status = pm_estimate(disc, &source, &query, workspace, &estimation);
+    status = pm_estimate(disc, &source, &query, workspace, &estimation);
     printf("%zu photons, %.1f W/m2\n", estimation.count, estimation.value[0]);
     pm_workspace_destroy(workspace);
     pm_estimator_destroy(disc);
@@ -51,14 +56,16 @@ if nm "$build/libphotonmap.a" 2>/dev/null | grep -q __asan_init; then
     san="-fsanitize=address,undefined"
 fi
 # shellcheck disable=SC2046 # pkg-config answers with several words
-${CC:-cc} -std=c11 -Wall -Wextra -Wpedantic $san "$root/outsider.c" $(pkg-config --cflags --libs photonmap) -o "$root/shared"
+${CC:-cc} -std=c11 -Wall -Wextra -Wpedantic $san "$root/outsider.c" $(pkg-config --cflags --libs photonmap) \
+    -o "$root/shared"
 LD_LIBRARY_PATH="$root/usr/lib" "$root/shared"
 # shellcheck disable=SC2046
 ${CC:-cc} -std=c11 -Wall -Wextra -Wpedantic $san "$root/outsider.c" $(pkg-config --cflags photonmap) \
     "$root/usr/lib/libphotonmap.a" -lm -o "$root/static"
 "$root/static"
 
-foreign=$(nm -D --defined-only "$root/usr/lib/libphotonmap.so" | awk '$2 ~ /[TDBR]/ {print $3}' | grep -v '^pm_[a-z]' || true)
+foreign=$(nm -D --defined-only "$root/usr/lib/libphotonmap.so" | awk '$2 ~ /[TDBR]/ {print $3}' |
+    grep -v '^pm_[a-z]' || true)
 if [ -z "$san" ] && [ -n "$foreign" ]; then
     echo "install: libphotonmap.so exports: $foreign" >&2
     exit 1

@@ -91,7 +91,8 @@ static inline const pm__run *pm__expect(const char *arguments, int status, const
     ck_assert_msg(run->status == status, "photonbench %s: status %d, not %d: %s", arguments, run->status, status,
                   run->err);
     if (part)
-        ck_assert_msg(strstr(run->err, part) != NULL, "photonbench %s: '%.2000s' lacks '%s'", arguments, run->err, part);
+        ck_assert_msg(strstr(run->err, part) != NULL, "photonbench %s: '%.2000s' lacks '%s'", arguments, run->err,
+                      part);
     else
         ck_assert_msg(!*run->err, "photonbench %s: unexpected message '%.2000s'", arguments, run->err);
     return run;

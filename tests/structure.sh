@@ -1,6 +1,6 @@
 #!/bin/sh
 # The house's structure, checked: includes point downwards only, every file of a list has its row, the library needs
-# nothing but C and libm, and no file grows out of hand.
+# nothing but C and libm, and neither files nor lines grow out of hand.
 set -eu
 status=0
 fail() {
@@ -31,6 +31,11 @@ for file in $(find src estimators cases tests -name '*.[ch]' | sort); do
     lines=$(wc -l <"$file")
     [ "$lines" -le 500 ] || fail "$file has $lines lines; 400 is the house's size"
 done
+
+long=$(find src estimators cases bench tests Makefile -name '*.[ch]' -o -name '*.cc' -o -name '*.sh' -o -name Makefile |
+    LC_ALL=C.UTF-8 xargs grep -nE '^.{121}' || true)
+[ -z "$long" ] || fail "lines of more than 120 columns:
+$long"
 
 # Every source of a list is a row, or is named beside the rows in the list's comment.
 for dir in src/search estimators cases; do

@@ -65,7 +65,8 @@ size_t within(void *index, const float point[3], float radius, size_t capacity, 
     double q[3] = {double(point[0]), double(point[1]), double(point[2])};
     const double radius2 = double(radius) * double(radius);
     it->reserve(64);
-    size_t count = size_t(it->tree->annkFRSearch(q, radius2, int(it->ids.size()), it->ids.data(), it->distances2.data()));
+    size_t count =
+        size_t(it->tree->annkFRSearch(q, radius2, int(it->ids.size()), it->ids.data(), it->distances2.data()));
     if (count > it->ids.size()) {
         it->reserve(count + count / 2);
         it->tree->annkFRSearch(q, radius2, int(count), it->ids.data(), it->distances2.data());

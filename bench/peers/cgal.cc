@@ -29,7 +29,8 @@ struct point_map {
 };
 
 using traits_type = CGAL::Search_traits_adapter<uint32_t, point_map, CGAL::Search_traits_3<kernel>>;
-using distance_type = CGAL::Distance_adapter<uint32_t, point_map, CGAL::Euclidean_distance<CGAL::Search_traits_3<kernel>>>;
+using distance_type =
+    CGAL::Distance_adapter<uint32_t, point_map, CGAL::Euclidean_distance<CGAL::Search_traits_3<kernel>>>;
 using splitter = CGAL::Sliding_midpoint<traits_type>;
 using tree_type = CGAL::Kd_tree<traits_type, splitter, CGAL::Tag_true, CGAL::Tag_true>;
 using search_type = CGAL::Orthogonal_k_neighbor_search<traits_type, distance_type, splitter, tree_type>;
@@ -143,7 +144,8 @@ size_t within(void *index, const float point[3], float radius, size_t capacity, 
 {
     index_type *const it = of(index);
     plain_list list = {ids, capacity, 0};
-    const CGAL::Fuzzy_sphere<traits_type> sphere(point_type(point[0], point[1], point[2]), radius, 0.0f, it->tree.traits());
+    const CGAL::Fuzzy_sphere<traits_type> sphere(point_type(point[0], point[1], point[2]), radius, 0.0f,
+                                                 it->tree.traits());
     it->tree.search(boost::make_function_output_iterator(adder{&list}), sphere);
     return list.count;
 }
@@ -159,6 +161,8 @@ constexpr bool threaded = false;
 } // namespace
 
 extern "C" const pm__peer pm__peer_cgal = {
-    "cgal", "CGAL's Kd_tree, buckets of 16, points cached", threaded, build, destroy, nearest, within, bytes};
+    "cgal", "CGAL's Kd_tree, buckets of 16, points cached",
+    threaded, build, destroy, nearest, within, bytes};
 extern "C" const pm__peer pm__peer_cgal_select = {
-    "cgal-select", "CGAL's Kd_tree with a result set that selects", threaded, build, destroy, nearest_select, nullptr, bytes};
+    "cgal-select", "CGAL's Kd_tree with a result set that selects",
+    threaded, build, destroy, nearest_select, nullptr, bytes};

@@ -125,7 +125,8 @@ inline size_t heap_in_use()
     return info.uordblks + info.hblkhd;
 }
 
-// Runs make(), which returns a pointer to an index with a member heap_bytes, and measures what it keeps. NULL where it throws.
+// Runs make(), which returns a pointer to an index with a member heap_bytes, and measures what it keeps. NULL where it
+// throws.
 template <class Make> void *measured_build(Make make)
 {
     const size_t before = heap_in_use();

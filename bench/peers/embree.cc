@@ -161,6 +161,8 @@ size_t bytes(const void *index)
 } // namespace
 
 extern "C" const pm__peer pm__peer_embree_pointquery = {
-    "embree-pointquery", "Embree's rtcPointQuery, a user primitive a point, max-heap", true, build, destroy, nearest, within, bytes};
+    "embree-pointquery", "Embree's rtcPointQuery, a user primitive a point, max-heap",
+    true, build, destroy, nearest, within, bytes};
 extern "C" const pm__peer pm__peer_embree_pointquery_select = {
-    "embree-pointquery-select", "Embree's rtcPointQuery with a list that selects", true, build, destroy, nearest_select, nullptr, bytes};
+    "embree-pointquery-select", "Embree's rtcPointQuery with a list that selects",
+    true, build, destroy, nearest_select, nullptr, bytes};

@@ -93,6 +93,8 @@ size_t bytes(const void *index) { return static_cast<const index_type *>(index)-
 } // namespace
 
 extern "C" const pm__peer pm__peer_flann = {
-    "flann", "FLANN's KDTreeSingleIndex, leaves of 16, reordered, its own result sets", false, build, destroy, nearest, within, bytes};
+    "flann", "FLANN's KDTreeSingleIndex, leaves of 16, reordered, its own result sets",
+    false, build, destroy, nearest, within, bytes};
 extern "C" const pm__peer pm__peer_flann_select = {
-    "flann-select", "FLANN's KDTreeSingleIndex with a result set that selects", false, build, destroy, nearest_select, nullptr, bytes};
+    "flann-select", "FLANN's KDTreeSingleIndex with a result set that selects",
+    false, build, destroy, nearest_select, nullptr, bytes};

@@ -97,6 +97,8 @@ size_t bytes(const void *index)
 } // namespace
 
 extern "C" const pm__peer pm__peer_nanoflann = {
-    "nanoflann", "nanoflann's kd-tree, leaves of 16, its own sorted list", false, build, destroy, nearest, within, bytes};
+    "nanoflann", "nanoflann's kd-tree, leaves of 16, its own sorted list",
+    false, build, destroy, nearest, within, bytes};
 extern "C" const pm__peer pm__peer_nanoflann_select = {
-    "nanoflann-select", "nanoflann's kd-tree with a result set that selects", false, build, destroy, nearest_select, nullptr, bytes};
+    "nanoflann-select", "nanoflann's kd-tree with a result set that selects",
+    false, build, destroy, nearest_select, nullptr, bytes};

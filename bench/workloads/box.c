@@ -1,5 +1,5 @@
-/* A closed box of 2 m with two spheres on its floor: photons of a small ceiling light at its first hits (half of them), or
- * after one or two diffuse bounces. Every hit is solved for, so positions lie on the surfaces to rounding. */
+/* A closed box of 2 m with two spheres on its floor: photons of a small ceiling light at its first hits (half of them),
+ * or after one or two diffuse bounces. Every hit is solved for, so positions lie on the surfaces to rounding. */
 #include "../workloads.h"
 #include "../../src/base/vec3.h"
 
@@ -62,7 +62,8 @@ static void meet_sphere(const double origin[3], const double direction[3], int i
         best->position[i] = s->centre[i] + s->radius * best->normal[i];
 }
 
-/* from: the surface that the ray starts on, which it does not meet again (both kinds are convex from where it starts). */
+/* from: the surface that the ray starts on, which it does not meet again (both kinds are convex from where it
+ * starts). */
 static hit trace(const hit *from, const double direction[3])
 {
     hit best;

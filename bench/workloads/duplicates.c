@@ -21,7 +21,9 @@ static void draw(const double *u, pm__workload_point *point)
 }
 
 const pm__workload pm__workload_duplicates = {
-    .entry = {.name = "duplicates", .summary = "half on 1000 positions, half on a grid: repeats and ties", .citation = ""},
+    .entry = {.name = "duplicates",
+              .summary = "half on 1000 positions, half on a grid: repeats and ties",
+              .citation = ""},
     .query_jitter = 1.0 / GRID,
     .draw = draw,
 };

@@ -84,7 +84,11 @@ typedef struct pm__bench_lookup {
     double guess; /* m: a radius that probably holds the photons; INFINITY: none */
 } pm__bench_lookup;
 
-/* job.c: the plan of a job; allocates everything above but the maps. */
+/* job.c: what can be known to be wrong with a job before it starts: EINVAL, ENOMEM. Costs next to nothing. */
+pm_status pm__job_check(const pm__accuracy_config *config, const pm__spec *case_spec, const pm__spec *sampler_spec,
+                        size_t photons, pm_error *error);
+
+/* The plan of a job; allocates everything above but the maps. */
 pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
                        const pm__spec *sampler_spec, size_t photons, pm_error *error);
 void pm__job_free(pm__job *job);
@@ -94,6 +98,11 @@ void pm__job_free(pm__job *job);
 size_t pm__drawn_count(const pm__job *job, size_t count);
 size_t pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
                         pm_photon *photons, float (*normals)[3]);
+/* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the
+ * caller's. */
+pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+                        pm_map **maps);
+bool pm__is_separate(const pm__deal *deal);
 pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_maps *maps);
 void pm__trial_maps_destroy(pm__trial_maps *maps);
 

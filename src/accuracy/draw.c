@@ -8,6 +8,11 @@
 
 enum { SEPARATE, RANDOM, ROUND_ROBIN }; /* the choices of combined's `deal` */
 
+bool pm__is_separate(const pm__deal *deal)
+{
+    return deal->how == SEPARATE;
+}
+
 /* Separately drawn maps are trials of their own: numbers that no trial reaches. */
 static uint32_t stream(uint32_t trial, uint32_t part)
 {
@@ -83,25 +88,49 @@ static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t
     return status;
 }
 
-static pm_status dealt_map(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t m,
-                           const pm_photon *photons, pm_photon *part, pm_map **map)
+/* Photons by map, each map's in the order in which they were drawn; end[m]: where map m's end. hand: room for all. */
+static pm_status deal_photons(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+                              pm_photon *hand, size_t end[PM__MAX_MAPS])
 {
-    size_t count = 0;
+    unsigned char *const to = pm__alloc(job->photons, sizeof *to);
+    size_t next[PM__MAX_MAPS] = {0}, sum = 0;
+    if (!to)
+        return PM_ENOMEM;
+    for (size_t i = 0; i < job->photons; i++) {
+        to[i] = (unsigned char)map_of(job, deal, trial, i);
+        next[to[i]]++;
+    }
+    for (size_t m = 0; m < deal->maps; m++) {
+        sum += next[m];
+        next[m] = sum - next[m];
+        end[m] = sum;
+    }
     for (size_t i = 0; i < job->photons; i++)
-        if (map_of(job, deal, trial, i) == m)
-            part[count++] = photons[i];
-    return make_map(job, part, count, map);
+        hand[next[to[i]]++] = photons[i];
+    free(to);
+    return PM_OK;
 }
 
-static pm_status deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
-                           pm_map **maps)
+static pm_status dealt_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+                            pm_map **maps)
 {
-    pm_photon *const part = deal->how == SEPARATE ? NULL : pm__alloc(job->photons, sizeof *part);
-    pm_status status = deal->how != SEPARATE && !part ? PM_ENOMEM : PM_OK;
+    size_t end[PM__MAX_MAPS];
+    pm_photon *const hand = pm__alloc(job->photons, sizeof *hand);
+    pm_status status = hand ? deal_photons(job, deal, trial, photons, hand, end) : PM_ENOMEM;
+    for (size_t m = 0, first = 0; m < deal->maps && status == PM_OK; first = end[m++])
+        status = make_map(job, hand + first, end[m] - first, &maps[m]);
+    free(hand);
+    return status;
+}
+
+pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+                        pm_map **maps)
+{
+    pm_status status = PM_OK;
+    if (!pm__is_separate(deal))
+        return dealt_maps(job, deal, trial, photons, maps);
     for (size_t m = 0; m < deal->maps && status == PM_OK; m++)
-        status = deal->how == SEPARATE ? separate_map(job, deal, trial, m, &maps[m])
-                                       : dealt_map(job, deal, trial, m, photons, part, &maps[m]);
-    free(part);
+        status = separate_map(job, deal, trial, m, &maps[m]);
     return status;
 }
 
@@ -110,7 +139,7 @@ static pm_status build_maps(const pm__job *job, uint32_t trial, const pm_photon 
 {
     pm_status status = make_map(job, photons, job->photons, &maps->map);
     for (size_t d = 0; d < job->deal_count && status == PM_OK; d++)
-        status = deal_maps(job, &job->deals[d], trial, photons, maps->dealt[d]);
+        status = pm__deal_maps(job, &job->deals[d], trial, photons, maps->dealt[d]);
     for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++)
         status = pm__carriers_create(&maps->carriers[f], maps->map, job->fractions[f], normals, NULL);
     return status;

@@ -2,6 +2,8 @@
 #include "bench.h"
 
 #include "../base/memory.h"
+#include "../map/structure.h"
+#include "../search/search.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -101,9 +103,14 @@ static bool same_deal(const pm__deal *a, const pm__deal *b)
     return a->maps == b->maps && a->how == b->how;
 }
 
+static pm__deal deal_of(const pm__spec *spec)
+{
+    return (pm__deal){pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
+}
+
 static size_t variety_of_deal(pm__job *job, const pm__spec *spec)
 {
-    const pm__deal deal = {pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
+    const pm__deal deal = deal_of(spec);
     size_t i = 0;
     while (i < job->deal_count && !same_deal(&job->deals[i], &deal))
         i++;
@@ -148,6 +155,35 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
     return too_few(v) ? "k is too few for it" : NULL;
 }
 
+/* Maps that are drawn separately have a sample of their own each, which the sampler rounds on its own. */
+static pm_status check_shares(const pm__job *job, const pm__variant *v, pm_error *error)
+{
+    const size_t maps = pm__map_count_of(v->spec);
+    for (size_t m = 0; m < maps; m++) {
+        const size_t drawn = pm__drawn_count(job, pm__share(job->photons, maps, m)), k = pm__share(v->k, maps, m);
+        char name[PM__MAX_SPEC];
+        pm__spec_format_short(v->spec, name, sizeof name);
+        if (k > drawn)
+            return pm__fail(error, PM_EINVAL,
+                            "--k %zu asks each map of --estimator %s for %zu photons; it has the %zu that --sampler %s "
+                            "draws for its part of --photons %zu in case %s",
+                            v->k, name, k, drawn, job->sampler_spec->entry->name, job->asked_photons,
+                            job->case_spec->entry->name);
+    }
+    return PM_OK;
+}
+
+static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *error)
+{
+    if (v->k > job->photons)
+        return pm__fail(error, PM_EINVAL,
+                        "--k %zu is more than the %zu photons that --sampler %s draws for --photons %zu in case %s",
+                        v->k, job->photons, job->sampler_spec->entry->name, job->asked_photons,
+                        job->case_spec->entry->name);
+    const pm__deal deal = deal_of(v->spec);
+    return deal.maps > 1 && pm__is_separate(&deal) ? check_shares(job, v, error) : PM_OK;
+}
+
 static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_error *error)
 {
     const pm__estimator *const estimator = pm__estimator_of(spec);
@@ -156,8 +192,9 @@ static pm_status plan_variant(pm__job *job, const pm__spec *spec, size_t k, pm_e
     v->unsupported = reason_against(job, v);
     if (v->unsupported)
         return PM_OK;
-    if (k > job->photons)
-        return pm__fail(error, PM_EINVAL, "k = %zu is more than the %zu photons of a map", k, job->photons);
+    const pm_status status = check_k(job, v, error);
+    if (status != PM_OK)
+        return status;
     if (!k && isinf(v->radius))
         return pm__fail(error, PM_EINVAL, "neither a k nor a radius is given");
     if (estimator->needs & PM__MAPS)
@@ -187,7 +224,7 @@ static pm_status check_variants(const pm__job *job, const pm__spec *spec, pm_err
         }
     char name[PM__MAX_SPEC];
     pm__spec_format_short(spec, name, sizeof name);
-    return pm__fail(error, PM_EINVAL, "k = %zu is too few for %s: at least %zu are needed", last->k, name,
+    return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s: at least %zu are needed", last->k, name,
                     pm__map_count_of(spec) * last->estimator->min_k);
 }
 
@@ -234,16 +271,21 @@ static pm_status plan_candidates(pm__job *job)
     return PM_OK;
 }
 
-/* Bytes of one trial's maps at their fullest. MAP: a photon's share of the largest of the searches' structures, its
- * direction and power included; BUILDING: what only the build needs. */
+static pm__structure_id structure_of(const pm__job *job)
+{
+    return job->config->search ? pm_search_find(job->config->search)->structure : PM__WIDE;
+}
+
+/* Bytes of one trial's maps at their fullest. */
 static double trial_bytes(const pm__job *job)
 {
-    enum { MAP = 56, BUILDING = 16, NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]), ORDER = sizeof(uint64_t) };
+    enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]) };
     const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
-    double held = photon + MAP + deals * MAP, passing = BUILDING + (job->deal_count ? photon : 0.0);
+    const double map = pm__bytes_when_built(structure_of(job)), building = pm__bytes_to_build(structure_of(job)) - map;
+    double held = photon + map + deals * map, passing = building + (job->deal_count ? photon + 1.0 : 0.0);
     for (size_t f = 0; f < job->fraction_count; f++) {
-        held += job->fractions[f] * (MAP + NUMBER + NORMAL);
-        passing = fmax(passing, job->fractions[f] * (ORDER + photon + BUILDING));
+        held += job->fractions[f] * (map + NUMBER + NORMAL);
+        passing = fmax(passing, NUMBER + job->fractions[f] * (photon + building));
     }
     if (job->fraction_count)
         held += NORMAL;
@@ -260,7 +302,8 @@ static double result_bytes(const pm__job *job)
 {
     const double variants = (double)job->variant_count, trials = (double)job->config->trials;
     const double choices = (double)(job->oracle_count * job->candidate_count);
-    const double errors = (variants + choices) * trials * sizeof(float), theory = (2.0 * variants + choices) * sizeof(double);
+    const double errors = (variants + choices) * trials * sizeof(float),
+                 theory = (2.0 * variants + choices) * sizeof(double);
     return probe_count_of(job) * (errors + theory + sizeof(pm__probe) + sizeof(double) + sizeof(keyed_probe));
 }
 
@@ -269,7 +312,9 @@ static pm_status check_memory(const pm__job *job, pm_error *error)
 {
     const pm__accuracy_config *const c = job->config;
     const size_t threads = c->threads ? c->threads : 1, at_once = threads < c->trials ? threads : c->trials;
-    const double needed = result_bytes(job) + (double)at_once * trial_bytes(job);
+    /* Times are taken with the maps of a trial at hand, building them anew one by one. */
+    const double again = (double)job->photons * pm__bytes_to_build(structure_of(job)), trial = trial_bytes(job);
+    const double needed = result_bytes(job) + fmax((double)at_once * trial, trial + (c->timing ? again : 0.0));
     if (!(c->memory > 0.0) || needed <= c->memory)
         return PM_OK;
     return pm__fail(error, PM_ENOMEM,
@@ -297,8 +342,9 @@ static pm_status allocate_results(pm__job *job)
                : PM_ENOMEM;
 }
 
-pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
-                       const pm__spec *sampler_spec, size_t photons, pm_error *error)
+/* All that can be refused, before anything is drawn. */
+static pm_status plan_estimates(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
+                                const pm__spec *sampler_spec, size_t photons, pm_error *error)
 {
     memset(job, 0, sizeof *job);
     job->config = config;
@@ -311,8 +357,22 @@ pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm
     pm_status status = plan_variants(job, error);
     if (status == PM_OK)
         status = plan_candidates(job);
-    if (status == PM_OK)
-        status = check_memory(job, error);
+    return status == PM_OK ? check_memory(job, error) : status;
+}
+
+pm_status pm__job_check(const pm__accuracy_config *config, const pm__spec *case_spec, const pm__spec *sampler_spec,
+                        size_t photons, pm_error *error)
+{
+    pm__job job;
+    const pm_status status = plan_estimates(&job, config, case_spec, sampler_spec, photons, error);
+    pm__job_free(&job);
+    return status;
+}
+
+pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
+                       const pm__spec *sampler_spec, size_t photons, pm_error *error)
+{
+    pm_status status = plan_estimates(job, config, case_spec, sampler_spec, photons, error);
     if (status == PM_OK) {
         status = plan_probes(job);
         if (status == PM_OK)

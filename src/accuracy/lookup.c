@@ -20,8 +20,8 @@ pm_query pm__probe_query(const pm__bench_lookup *lookup, size_t probe, size_t k,
     return query;
 }
 
-/* Looks within the lookup's guess first: the probe before lay nearby, so its radius tells this one's. Fewer than k found
- * there says that the guess was too small, never that the answer is; then all is searched. */
+/* Looks within the lookup's guess first: the probe before lay nearby, so its radius tells this one's. Fewer than k
+ * found there says that the guess was too small, never that the answer is; then all is searched. */
 static pm_status gather_within_guess(const pm__bench_lookup *lookup, const pm_map *map, const pm_query *query,
                                      const pm__gathering *gathering, size_t set)
 {

@@ -71,7 +71,7 @@ static pm__accuracy_row empty_row(const pm__job *job, size_t v, size_t region)
         .paths = job->subject->paths,
         .knn = variant->k > 0,
         .k = variant->k,
-        .radius = isinf(variant->radius) ? NAN : variant->radius,
+        .radius = isinf(variant->radius) ? NAN : pm__decimal_of_float((float)variant->radius),
         .photons = job->photons,
         .search = job->config->search ? job->config->search : pm__searches.entries[0]->name,
         .trials = job->config->trials,

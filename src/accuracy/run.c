@@ -113,12 +113,25 @@ static pm_status check_config(const pm__accuracy_config *c, pm_error *error)
     return PM_OK;
 }
 
+/* Every job, so that the last one's mistake does not cost the time of those before it. */
+static pm_status check_jobs(const pm__accuracy_config *config, pm_error *error)
+{
+    pm_status status = PM_OK;
+    for (size_t c = 0; c < config->case_count; c++)
+        for (size_t s = 0; s < config->sampler_count; s++)
+            for (size_t n = 0; n < config->photon_count && status == PM_OK; n++)
+                status = pm__job_check(config, &config->cases[c], &config->samplers[s], config->photons[n], error);
+    return status;
+}
+
 pm_status pm__accuracy_run(const pm__accuracy_config *config, pm__accuracy_row **rows, size_t *row_count,
                            pm_error *error)
 {
     *rows = NULL;
     *row_count = 0;
     pm_status status = check_config(config, error);
+    if (status == PM_OK)
+        status = check_jobs(config, error);
     run_state state = {.config = config,
                        .jobs = config->case_count * config->sampler_count * config->photon_count,
                        .reporting = ATOMIC_FLAG_INIT};

@@ -112,8 +112,20 @@ static pm_status time_queries(stopwatch *w, double *ns, pm__interval *ci95)
 
 /* What comes before the first query. */
 typedef struct setup_times {
-    double draw, build, deal[PM__MAX_VARIETIES], carriers[PM__MAX_VARIETIES];
+    double draw, build, carriers[PM__MAX_VARIETIES];
+    double deal[PM__MAX_VARIETIES]; /* and build; of separate maps: draw and build */
 } setup_times;
+
+static pm_status time_deal(const pm__job *job, const pm__deal *deal, const pm_photon *photons, double *seconds)
+{
+    pm_map *maps[PM__MAX_MAPS] = {NULL};
+    const double start = now();
+    const pm_status status = pm__deal_maps(job, deal, 0, photons, maps);
+    *seconds = now() - start;
+    for (size_t m = 0; m < deal->maps; m++)
+        pm_map_destroy(maps[m]);
+    return status;
+}
 
 static pm_status time_setup(const pm__job *job, setup_times *times)
 {
@@ -138,30 +150,10 @@ static pm_status time_setup(const pm__job *job, setup_times *times)
             pm__carriers_destroy(&carriers);
     }
     pm_map_destroy(map);
+    for (size_t d = 0; d < job->deal_count && status == PM_OK; d++)
+        status = time_deal(job, &job->deals[d], photons, &times->deal[d]);
     free(photons);
     return status;
-}
-
-/* Building M maps of N/M photons costs what one of N does, less M times the top levels; measured all the same. */
-static void time_deals(const pm__job *job, const pm__trial_maps *maps, setup_times *times)
-{
-    for (size_t d = 0; d < job->deal_count; d++)
-        for (size_t m = 0; m < job->deals[d].maps; m++) {
-            const pm_map *const dealt = maps->dealt[d][m];
-            const size_t count = pm_map_count(dealt);
-            pm_photon *const photons = pm__alloc(count, sizeof *photons);
-            pm_map *again = NULL;
-            if (!photons)
-                return;
-            for (size_t i = 0; i < count; i++)
-                photons[pm_map_source(dealt, (uint32_t)i)] = pm_map_photon(dealt, (uint32_t)i);
-            const double start = now();
-            const pm_map_options options = {.search = pm_search_find(job->config->search)};
-            (void)pm_map_create(photons, count, &options, &again, NULL);
-            times->deal[d] += now() - start;
-            pm_map_destroy(again);
-            free(photons);
-        }
 }
 
 /* How many different carriers the probes of `all` ask for: what the demand form computes. */
@@ -213,8 +205,10 @@ static pm_status time_variant(stopwatch *w, const setup_times *setup, pm__timing
     const unsigned needs = w->variant->estimator->needs;
     double before = setup->draw + setup->build;
     pm_status status = time_queries(w, &timing->ns_per_query, &timing->ns_per_query_ci95);
-    if (needs & PM__MAPS)
-        before = setup->draw + setup->deal[w->variant->variety];
+    if (needs & PM__MAPS) {
+        const bool separate = pm__is_separate(&w->job->deals[w->variant->variety]);
+        before = (separate ? 0.0 : setup->draw) + setup->deal[w->variant->variety];
+    }
     if (status == PM_OK && (needs & PM__AT_PHOTON)) {
         before += setup->carriers[w->variant->variety];
         status = add_stored_estimates(w, timing, &before);
@@ -238,8 +232,6 @@ pm_status pm__time_variants(const pm__job *job, pm__timing *timings)
     status = pm_workspace_create(job->max_k, &w.lookup.workspace);
     if (status == PM_OK)
         status = time_setup(job, &setup);
-    if (status == PM_OK)
-        time_deals(job, &maps, &setup);
     for (size_t v = 0; v < job->variant_count; v++) {
         const pm__interval none = {NAN, NAN};
         timings[v] = (pm__timing){NAN, none, NAN};

@@ -39,7 +39,8 @@ double pm__disc_rectangle_area(double x, double y, double r, double x0, double x
         return 0.0;
     const double left = (x0 - x) / r, right = (x1 - x) / r;
     const double below = (y0 - y) / r, above = (y1 - y) / r;
-    const double unit = quadrant(right, above) - quadrant(left, above) - (quadrant(right, below) - quadrant(left, below));
+    const double unit =
+        quadrant(right, above) - quadrant(left, above) - (quadrant(right, below) - quadrant(left, below));
     return fmax(0.0, unit) * r * r;
 }
 

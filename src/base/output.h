@@ -7,7 +7,8 @@
  *
  * A regular file is written under a temporary name in the target's directory and renamed over the target on
  * commit; a symbolic link stays and its target is replaced. An existing file keeps its mode, a new one gets 0666
- * less the umask. A process that is killed leaves the target as it was, and beside it `.NAME.XXXXXX.tmp`.
+ * less the umask. A process that is killed leaves the target as it was, and beside it `.NAME.XXXXXX.tmp` (`temporary`,
+ * for a signal handler to unlink).
  * What is not a regular file (device, pipe, FIFO), and a file reached through /proc (as /dev/stdout is), is written
  * in place: there is nothing to rename, but its close is checked all the same. */
 #ifndef PM_BASE_OUTPUT_H

@@ -68,6 +68,9 @@ void pm__spec_format_short(const pm__spec *spec, char *text, size_t size);
 /* The shortest decimal that reads back as value. */
 void pm__format_double(double value, char text[32]);
 
+/* The double that is nearest to the shortest decimal that reads back as value: 0.04 for 0.04f. */
+double pm__decimal_of_float(float value);
+
 /* A whole finite number from all of text: 0, or -1. */
 int pm__parse_double(const char *text, double *value);
 

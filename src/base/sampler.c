@@ -32,7 +32,8 @@ static bool better(grid_error a, grid_error b)
 }
 
 /* Keeps the grid if it is the best so far. ideal: what square cells would take along each dimension. */
-static void try_grid(pm__points *points, uint64_t count, const double ideal[3], const uint32_t cells[3], grid_error *best)
+static void try_grid(pm__points *points, uint64_t count, const double ideal[3], const uint32_t cells[3],
+                     grid_error *best)
 {
     grid_error error = {fabs((double)cells[0] * cells[1] * cells[2] - (double)count), 0.0};
     for (int i = 0; i < points->strata_dimensions; i++)

@@ -66,6 +66,18 @@ void pm__format_double(double value, char text[32])
     }
 }
 
+double pm__decimal_of_float(float value)
+{
+    double decimal = (double)value;
+    char text[32];
+    for (int precision = 1; precision <= 9; precision++) {
+        (void)snprintf(text, sizeof text, "%.*g", precision, (double)value);
+        if (pm__parse_double(text, &decimal) == 0 && (float)decimal == value)
+            return decimal;
+    }
+    return (double)value; /* not finite, or in a locale whose point is none */
+}
+
 static size_t min3(size_t a, size_t b, size_t c)
 {
     const size_t ab = a < b ? a : b;

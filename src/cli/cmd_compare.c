@@ -86,12 +86,13 @@ static void print_legend(FILE *file, const comparing *all)
 {
     char text[600];
     const bool search = strcmp(all->a.command, "search") == 0;
-    (void)snprintf(text, sizeof text,
-                   "%s; x: B over A, else B less A%s. Intervals and verdicts are at 95 %% for all %zu comparisons together.",
-                   search ? "ratio: the baseline's time over the row's, of the same run, above 1 is faster; a change within "
-                            "1 % counts as none"
-                          : "rel_*: relative to the mean truth",
-                   search ? "" : " (of a bias: of its size)", all->list.tests);
+    (void)snprintf(
+        text, sizeof text,
+        "%s; x: B over A, else B less A%s. Intervals and verdicts are at 95 %% for all %zu comparisons together.",
+        search ? "ratio: the baseline's time over the row's, of the same run, above 1 is faster; a change within "
+                 "1 % counts as none"
+               : "rel_*: relative to the mean truth",
+        search ? "" : " (of a bias: of its size)", all->list.tests);
     pm__wrap(file, text, 0, 0);
 }
 
@@ -117,7 +118,8 @@ static void print_screen(FILE *file, const comparing *all)
     }
     print_counts(file, all);
     if (!full && list->verdicts[PM__SAME])
-        (void)fputs("(rows that are not distinguishable are not shown; --json, --csv and --markdown have them)\n", file);
+        (void)fputs("(rows that are not distinguishable are not shown; --json, --csv and --markdown have them)\n",
+                    file);
     if (strcmp(all->a.command, "search") == 0 && strcmp(cpu_of(&all->a), cpu_of(&all->b)) != 0)
         (void)fputs("The processors differ, and ratios may differ with them.\n", file);
     if (list->tests)
@@ -130,8 +132,8 @@ static pm_status write_all(const pm__settings *s, comparing *all, double start, 
     pm_status status = pm__sinks_open(s, true, &sinks, error);
     if (status != PM_OK)
         return status;
-    json_t *const options = json_pack("{s:s, s:s, s:s, s:I}", "a", all->a.name, "b", all->b.name, "command", all->a.command,
-                                      "tests", (json_int_t)all->list.tests);
+    json_t *const options = json_pack("{s:s, s:s, s:s, s:I}", "a", all->a.name, "b", all->b.name, "command",
+                                      all->a.command, "tests", (json_int_t)all->list.tests);
     const pm__results results = {.command = "compare",
                                  .options = options,
                                  .settings = s,

@@ -16,6 +16,14 @@ enum { DEFAULT_K = 50 };
 static const char *const fields[] = {"query", "e_r", "e_g", "e_b", "radius", "count", "status", "detail"};
 enum { FIELD_COUNT = 8, PLAIN_COUNT = 6 };
 
+/* The limit in effect as it was given, not as it is in single precision; 0: none. */
+static double limit_of(const pm__estimate *e)
+{
+    if (e->radius > 0.0)
+        return e->radius;
+    return isfinite(e->lookup.max_radius) ? pm__decimal_of_float(e->lookup.max_radius) : 0.0;
+}
+
 static void fill_row(void *context, size_t index, pm__cell *cells)
 {
     const pm__estimate *const e = context;
@@ -24,7 +32,8 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     cells[0] = pm__count_cell(index);
     for (size_t c = 0; c < 3 && ok; c++)
         cells[1 + c] = pm__number_cell(estimation->value[c]);
-    cells[4] = pm__number_cell(estimation->radius);
+    const bool at_limit = (float)estimation->radius == e->lookup.max_radius;
+    cells[4] = pm__number_cell(at_limit ? limit_of(e) : estimation->radius);
     cells[5] = pm__count_cell(estimation->count);
     cells[6] = pm__text_cell(ok ? "ok" : "degenerate");
     cells[7] = pm__text_cell(ok ? NULL : pm_status_text(e->statuses[index]));
@@ -34,14 +43,14 @@ static json_t *options_of(const pm__settings *s, const pm__estimate *e)
 {
     char name[PM__MAX_SPEC], lookup[48];
     json_t *const options = json_object();
-    const double radius = s->radius > 0.0 ? s->radius : (double)e->lookup.max_radius; /* else automatic, or none */
+    const double radius = limit_of(e);
     pm__spec_format(e->spec, name, sizeof name);
     pm__lookup_format(&s->lookup, lookup);
     (void)json_object_set_new(options, "photons", json_string(s->photon_file));
     (void)json_object_set_new(options, "queries", json_string(s->query_file));
     (void)json_object_set_new(options, "estimator", json_string(name));
     (void)json_object_set_new(options, "k", e->lookup.k ? json_integer((json_int_t)e->lookup.k) : json_null());
-    (void)json_object_set_new(options, "radius", isfinite(radius) ? json_real(radius) : json_null());
+    (void)json_object_set_new(options, "radius", radius > 0.0 ? json_real(radius) : json_null());
     (void)json_object_set_new(options, "search", json_string(s->search));
     (void)json_object_set_new(options, "lookup", json_string(lookup));
     (void)json_object_set_new(options, "front", json_string(s->lookup.front_only ? "on" : "off"));
@@ -102,6 +111,7 @@ static void configure(const pm__settings *s, const pm_parallel *parallel, pm__es
     e->spec = s->estimators.items;
     pm_query_init(&e->lookup);
     e->lookup.k = s->ks.count ? s->ks.items[0] : s->radius > 0.0 ? 0 : DEFAULT_K;
+    e->radius = s->radius;
     e->lookup.max_radius = s->radius > 0.0 ? (float)s->radius : INFINITY;
     e->lookup.shape = s->lookup.shape;
     e->lookup.shape_parameter = (float)s->lookup.parameter;
@@ -110,6 +120,8 @@ static void configure(const pm__settings *s, const pm_parallel *parallel, pm__es
     e->auto_threshold = s->auto_threshold;
     e->seed = s->seed;
     e->parallel = parallel;
+    e->threads = s->threads;
+    e->memory = pm__free_memory();
     e->canceled = pm__interrupted;
 }
 

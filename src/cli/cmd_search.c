@@ -6,6 +6,8 @@
 #include "search_options.h"
 #include "search_rows.h"
 
+#include "../map/ply_reader.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,9 +115,10 @@ static pm_status read_input(plan *p, const pm__settings *s, pm_error *error)
 {
     if (!s->photon_file)
         return PM_OK;
+    const pm__ply_budget budget = {.memory = pm__free_memory(), .per_vertex = sizeof(float[3]) + 2 * PM__INDEX_BYTES};
     p->config.given_name = s->photon_file;
     const pm_status status =
-        pm_ply_read_photons(s->photon_file, &p->photons, &p->normals, &p->config.given_count, error);
+        pm__ply_read_photons(s->photon_file, &budget, &p->photons, &p->normals, &p->config.given_count, error);
     p->config.given = p->photons;
     p->config.given_normals = (const float (*)[3])p->normals;
     return status;

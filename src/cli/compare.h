@@ -18,9 +18,9 @@ typedef struct pm__result_file {
     char **labels;       /* [count]: printable; rows of two files match where these are equal */
 } pm__result_file;
 
-/* Reads and checks. EIO: cannot be read; EFORMAT: not photonbench/1, or a row that is not as it should be (the error names
- * file, place and what was expected); EINVAL: a file that is well formed but cannot be compared; ENOMEM. *file: free
- * always. */
+/* Reads and checks. EIO: cannot be read; EFORMAT: not photonbench/1, or a row that is not as it should be (the error
+ * names file, place and what was expected); EINVAL: a file that is well formed but cannot be compared; ENOMEM. *file:
+ * free always. */
 pm_status pm__result_file_load(const char *path, pm__result_file *file, pm_error *error);
 void pm__result_file_free(pm__result_file *file);
 
@@ -34,7 +34,14 @@ pm_status pm__result_interval(const pm__result_file *file, size_t index, const c
 pm_status pm__result_logs(const pm__result_file *file, size_t index, const char *field, double **values, size_t *count,
                           pm_error *error);
 
-typedef enum pm__verdict { PM__IMPROVED, PM__REGRESSED, PM__SAME, PM__ONLY_A, PM__ONLY_B, PM__VERDICT_COUNT } pm__verdict;
+typedef enum pm__verdict {
+    PM__IMPROVED,
+    PM__REGRESSED,
+    PM__SAME,
+    PM__ONLY_A,
+    PM__ONLY_B,
+    PM__VERDICT_COUNT
+} pm__verdict;
 
 /* One quantity of one pair of rows, or a row that is there only once. NAN: does not exist. */
 typedef struct pm__comparison {
@@ -62,8 +69,8 @@ pm_status pm__compare(const pm__result_file *a, const pm__result_file *b, pm__co
 
 const char *pm__verdict_text(pm__verdict verdict);
 
-/* A ratio that changed by less than this part is the same: two runs of one program differ by about that much, from where
- * the system happened to put their memory, which the samples within a run cannot show. */
+/* A ratio that changed by less than this part is the same: two runs of one program differ by about that much, from
+ * where the system happened to put their memory, which the samples within a run cannot show. */
 #define PM__RATIO_TOLERANCE 0.01
 
 #endif

@@ -46,7 +46,8 @@ static const char *type_name(const json_t *value)
 {
     if (!value)
         return "nothing";
-    static const char *const names[] = {"an object", "an array", "text", "a number", "a number", "true", "false", "null"};
+    static const char *const names[] = {"an object", "an array", "text",  "a number",
+                                        "a number",  "true",     "false", "null"};
     return names[json_typeof(value)];
 }
 
@@ -109,8 +110,8 @@ pm_status pm__result_logs(const pm__result_file *file, size_t index, const char 
         const json_t *const item = json_array_get(found, i);
         if (!json_is_number(item) || !(json_number_value(item) > 0.0)) {
             free(logs);
-            return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].%s[%zu]: expected a number above 0, not %s", file->name, index,
-                            field, i, json_is_number(item) ? "one that is not" : type_name(item));
+            return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].%s[%zu]: expected a number above 0, not %s", file->name,
+                            index, field, i, json_is_number(item) ? "one that is not" : type_name(item));
         }
         logs[i] = log(json_number_value(item));
     }
@@ -128,8 +129,8 @@ static pm_status add_key(const pm__result_file *file, size_t index, const key *k
     if (k->text ? !json_is_string(value) : !json_is_number(value))
         return wrong_field(file, index, k->name, k->text ? "text" : "a number", value, error);
     if (k->text && json_string_length(value) > LONGEST_TEXT)
-        return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].%s: expected text of at most %d bytes, not %zu", file->name, index,
-                        k->name, LONGEST_TEXT, json_string_length(value));
+        return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].%s: expected text of at most %d bytes, not %zu", file->name,
+                        index, k->name, LONGEST_TEXT, json_string_length(value));
     const char *const gap = ftell(label) > 0 ? " " : "";
     if (!k->text)
         (void)fprintf(label, "%s%s=%.15g", gap, k->name, json_number_value(value));
@@ -186,7 +187,8 @@ static pm_status check_head(pm__result_file *file, pm_error *error)
         return pm__fail(error, PM_EFORMAT, "%s: expected an object with schema photonbench/1, not %s", file->name,
                         type_name(file->root));
     if (!json_is_string(schema))
-        return pm__fail(error, PM_EFORMAT, "%s: schema: expected \"photonbench/1\", not %s", file->name, type_name(schema));
+        return pm__fail(error, PM_EFORMAT, "%s: schema: expected \"photonbench/1\", not %s", file->name,
+                        type_name(schema));
     pm__quote(json_string_value(schema), json_string_length(schema), found);
     if (strcmp(json_string_value(schema), "photonbench/1") != 0)
         return pm__fail(error, PM_EFORMAT, "%s: schema: expected \"photonbench/1\", not \"%s\"", file->name, found);

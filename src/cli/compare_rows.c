@@ -57,7 +57,8 @@ static pm_status has_ratio(const pm__result_file *file, size_t index, bool *ther
     const json_t *const samples = json_object_get(json_array_get(file->rows, index), "ratio_samples");
     const pm_status status = pm__result_number(file, index, "ratio", &ratio, there, error);
     if (status == PM_OK && *there && !json_is_array(samples))
-        return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].ratio_samples: expected an array of numbers", file->name, index);
+        return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].ratio_samples: expected an array of numbers", file->name,
+                        index);
     *there = *there && json_array_size(samples) > 0;
     return status;
 }
@@ -70,8 +71,8 @@ static bool is_baseline(const pm__result_file *file, size_t index)
     return baseline && strcmp(baseline, json_string_value(json_object_get(row, "search"))) == 0;
 }
 
-static pm_status add_search(const pm__result_file *a, const pm__result_file *b, pm__comparison item, pm__comparisons *list,
-                            pm_error *error)
+static pm_status add_search(const pm__result_file *a, const pm__result_file *b, pm__comparison item,
+                            pm__comparisons *list, pm_error *error)
 {
     const json_t *const exact_a = json_object_get(json_array_get(a->rows, item.row_a), "exact");
     const json_t *const exact_b = json_object_get(json_array_get(b->rows, item.row_b), "exact");
@@ -102,7 +103,8 @@ typedef struct estimate {
     bool there;
 } estimate;
 
-static pm_status read_estimate(const pm__result_file *file, size_t index, const char *quantity, estimate *e, pm_error *error)
+static pm_status read_estimate(const pm__result_file *file, size_t index, const char *quantity, estimate *e,
+                               pm_error *error)
 {
     char field[64];
     bool there, interval, trials;
@@ -123,8 +125,8 @@ static pm_status read_estimate(const pm__result_file *file, size_t index, const 
 
 static const char *const errors_compared[] = {"rel_bias", "rel_noise", "rel_rmse"};
 
-static pm_status add_accuracy(const pm__result_file *a, const pm__result_file *b, pm__comparison item, pm__comparisons *list,
-                              pm_error *error)
+static pm_status add_accuracy(const pm__result_file *a, const pm__result_file *b, pm__comparison item,
+                              pm__comparisons *list, pm_error *error)
 {
     pm_status status = PM_OK;
     for (size_t i = 0; i < sizeof errors_compared / sizeof *errors_compared && status == PM_OK; i++) {
@@ -262,8 +264,8 @@ static pm_status test_error(const pm__result_file *file_a, const pm__result_file
     item->samples_b = (size_t)b.trials;
     if (item->factor) {
         const pm__interval log_a = {log(a.ci95.low), log(a.ci95.high)}, log_b = {log(b.ci95.low), log(b.ci95.high)};
-        welch(log(b.value) - log(a.value), standard_error(log_a, a.trials), standard_error(log_b, b.trials), &a, &b, level,
-              item);
+        welch(log(b.value) - log(a.value), standard_error(log_a, a.trials), standard_error(log_b, b.trials), &a, &b,
+              level, item);
         item->change = exp(item->change);
         item->change_ci95 = (pm__interval){exp(item->change_ci95.low), exp(item->change_ci95.high)};
     } else {

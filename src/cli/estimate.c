@@ -3,6 +3,9 @@
 #include "../base/memory.h"
 #include "../base/parallel.h"
 #include "../base/random.h"
+#include "../map/ply_reader.h"
+#include "../map/structure.h"
+#include "../search/search.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,19 +40,49 @@ pm_status pm__estimate_check(const pm__estimate *e, pm_error *error)
     if (!(estimator->dimensions & 4))
         return pm__fail(error, PM_EINVAL, "--estimator %s does not work on surfaces", estimator->entry.name);
     if (maps > 1 && deal_of(e) == DEAL_SEPARATE)
-        return pm__fail(error, PM_EINVAL, "--estimator %s: deal=separate wants maps drawn separately, and a photon file "
-                                          "is one map; deal=random or deal=roundrobin divide it",
+        return pm__fail(error, PM_EINVAL,
+                        "--estimator %s: deal=separate wants maps drawn separately, and a photon file is one "
+                        "map; deal=random or deal=roundrobin divide it",
                         estimator->entry.name);
     if (e->lookup.k && e->lookup.k < least)
-        return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s, which needs at least %zu", e->lookup.k,
-                        estimator->entry.name, least);
+        return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s, which needs at least %zu",
+                        e->lookup.k, estimator->entry.name, least);
     return PM_OK;
+}
+
+/* Bytes a photon of what is built from those read, at its fullest. STORED: an estimate at a photon. */
+static double bytes_of_maps(const pm__estimate *e)
+{
+    enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]), STORED = 40 };
+    const pm__structure_id structure = e->lookup.search->structure;
+    const double photon = sizeof(pm_photon), map = pm__bytes_to_build(structure);
+    double bytes = map + (maps_of(e) > 1 ? photon : 0.0);
+    if (estimator_of(e)->needs & PM__AT_PHOTON)
+        bytes += NUMBER + pm__spec_value(e->spec, "fraction", 1.0) * (map + photon + NUMBER + NORMAL + STORED);
+    return bytes;
+}
+
+/* What the threads want for a lookup of k photons. */
+static double bytes_of_workspaces(const pm__estimate *e, size_t k)
+{
+    enum { A_PHOTON = sizeof(pm_neighbor) + sizeof(float) + 2 * sizeof(float[3]) };
+    return (double)(e->threads ? e->threads : 1) * (double)k * A_PHOTON;
 }
 
 pm_status pm__estimate_load(pm__estimate *e, const char *photon_path, const char *query_path, pm_error *error)
 {
-    const pm_status status = pm_ply_read_photons(photon_path, &e->photons, &e->normals, &e->photon_count, error);
-    return status ? status : pm_ply_read_points(query_path, &e->points, &e->point_count, error);
+    pm__ply_budget budget = {.memory = e->memory, .per_vertex = bytes_of_maps(e)};
+    const pm_status status =
+        pm__ply_read_photons(photon_path, &budget, &e->photons, &e->normals, &e->photon_count, error);
+    if (status != PM_OK)
+        return status;
+    const double read = (double)(sizeof(pm_photon) + (e->normals ? sizeof *e->normals : 0));
+    const size_t k = e->lookup.k < e->photon_count ? e->lookup.k : e->photon_count;
+    const double taken = (double)e->photon_count * (read + budget.per_vertex) + bytes_of_workspaces(e, k);
+    if (e->memory > 0.0) /* what is left, but never 0, which would mean any */
+        budget.memory = fmax(e->memory - taken, 1.0);
+    budget.per_vertex = sizeof(pm_estimation) + sizeof(pm_status);
+    return pm__ply_read_points(query_path, &budget, &e->points, &e->point_count, error);
 }
 
 /* Which map photon `index` goes to: errata 11 and 12 say what each way costs. */

@@ -9,9 +9,12 @@
 typedef struct pm__estimate {
     const pm__spec *spec;
     pm_query lookup;       /* all but position and normal; max_radius only where it is not automatic */
+    double radius;         /* m, as given; 0: none, or automatic */
     double auto_threshold; /* W/(m2 sr); 0: not automatic */
     uint64_t seed;         /* for dealing photons to several maps */
     const pm_parallel *parallel;
+    size_t threads; /* that `parallel` runs on */
+    double memory;  /* bytes that all of it may take; 0: as many as it wants */
     bool (*canceled)(void);
 
     pm_photon *photons;
@@ -32,7 +35,8 @@ typedef struct pm__estimate {
 /* Refuses what cannot be done with files, or with so few photons. EINVAL. */
 pm_status pm__estimate_check(const pm__estimate *estimate, pm_error *error);
 
-/* Any status but OK and ENOMEM is the input's fault. */
+/* Any status but OK and ENOMEM is the input's fault. ENOMEM too where the files hold more than `memory` allows to work
+ * with: found out before they are read. */
 pm_status pm__estimate_load(pm__estimate *estimate, const char *photon_path, const char *query_path, pm_error *error);
 
 /* Builds the maps. As above. */

@@ -4,10 +4,21 @@
 
 #include <stdbool.h>
 
-/* From now on the first such signal only sets a flag; a second one ends the process at once. A signal that the
- * process was started to ignore stays ignored. */
+/* From now on the first such signal only sets a flag; a second one removes what pm__interrupt_hold named and ends the
+ * process at once, with PM__EXIT_INTERRUPTED. A signal that the process was started to ignore stays ignored. */
 void pm__interrupt_watch(void);
 
 bool pm__interrupted(void);
+
+/* Names a file (copied) that a signal which ends the process must not leave behind, watched for or not. The number
+ * to release it by; -1 for NULL, or where there is no room for one more. One thread. */
+int pm__interrupt_hold(const char *path);
+
+/* The file is gone, or has its final name. -1 is allowed. */
+void pm__interrupt_release(int number);
+
+/* Signals wait between the two: a file is then made and held as one. */
+void pm__interrupt_block(void);
+void pm__interrupt_unblock(void);
 
 #endif

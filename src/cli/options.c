@@ -75,7 +75,8 @@ static pm_status refuse_long(const grammar *g, const char *text, pm_error *error
     for (size_t i = 0; i < g->count; i++) {
         names[i] = g->rows[i]->name;
         if (*name && strncmp(names[i], name, strlen(name)) == 0 && used < sizeof matches)
-            used += (size_t)snprintf(matches + used, sizeof matches - used, "%s--%s", match_count++ ? ", " : "", names[i]);
+            used +=
+                (size_t)snprintf(matches + used, sizeof matches - used, "%s--%s", match_count++ ? ", " : "", names[i]);
     }
     if (match_count > 1)
         return pm__fail(error, PM_EINVAL, "option '--%s' is ambiguous: it could be %s", name, matches);

@@ -1,5 +1,6 @@
 /* Sinks: standard output or files that are complete or absent. */
 #include "results.h"
+#include "interrupt.h"
 
 #include "../base/status.h"
 
@@ -10,7 +11,15 @@ static pm_status open_sink(const char *path, pm__sink *sink, pm_error *error)
 {
     sink->wanted = path != NULL;
     sink->is_stdout = path && strcmp(path, "-") == 0;
-    return path && !sink->is_stdout ? pm__output_open(path, &sink->output, error) : PM_OK;
+    sink->held = -1;
+    if (!path || sink->is_stdout)
+        return PM_OK;
+    pm__interrupt_block();
+    const pm_status status = pm__output_open(path, &sink->output, error);
+    if (status == PM_OK)
+        sink->held = pm__interrupt_hold(sink->output.temporary);
+    pm__interrupt_unblock();
+    return status;
 }
 
 static FILE *sink_file(const pm__sink *sink)
@@ -47,8 +56,11 @@ static pm_status close_sink(pm__sink *sink, pm_error *error)
     if (!sink->wanted)
         return PM_OK;
     sink->wanted = false;
-    if (!sink->is_stdout)
-        return pm__output_commit(&sink->output, error);
+    if (!sink->is_stdout) {
+        const pm_status status = pm__output_commit(&sink->output, error);
+        pm__interrupt_release(sink->held);
+        return status;
+    }
     if (fflush(stdout) != 0 || ferror(stdout))
         return pm__fail(error, PM_EIO, "standard output: %s", strerror(errno));
     return PM_OK;
@@ -80,8 +92,10 @@ void pm__sinks_discard(pm__sinks *sinks)
 {
     pm__sink *const all[] = {&sinks->json, &sinks->csv, &sinks->markdown, &sinks->screen};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        if (all[i]->wanted && !all[i]->is_stdout)
+        if (all[i]->wanted && !all[i]->is_stdout) {
             pm__output_discard(&all[i]->output);
+            pm__interrupt_release(all[i]->held);
+        }
         all[i]->wanted = false;
     }
 }

@@ -84,6 +84,7 @@ double pm__free_memory(void);
 /* Where one kind of output goes. */
 typedef struct pm__sink {
     bool wanted, is_stdout;
+    int held; /* for pm__interrupt_release */
     pm__output output;
 } pm__sink;
 

@@ -182,7 +182,7 @@ const pm__option pm__search_option_seconds = {"seconds", 0, "S", "time for it al
 const pm__option pm__search_option_threads = {
     "threads", 0, "N", "threads of builds; a query runs on one (all that the process may use)", set_threads};
 const pm__option pm__search_option_lookup = {
-    "lookup", 0, "SHAPE,...", "sphere; ellipsoid:S, squashed S times along the normal; disc:H, |height| <= H m (sphere)",
-    set_lookup};
+    "lookup", 0, "SHAPE,...",
+    "sphere; ellipsoid:S, squashed S times along the normal; disc:H, |height| <= H m (sphere)", set_lookup};
 const pm__option pm__search_option_front = {
     "front", 0, "on|off,...", "leave out photons that arrive from behind; on,off measures both (off)", set_front};

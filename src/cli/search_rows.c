@@ -72,7 +72,8 @@ static pm__cell samples(const pm__search_row *row)
 {
     json_t *const list = json_array();
     for (size_t i = 0; i < row->samples && row->ratio_samples; i++)
-        (void)json_array_append_new(list, isfinite(row->ratio_samples[i]) ? json_real(row->ratio_samples[i]) : json_null());
+        (void)json_array_append_new(list,
+                                    isfinite(row->ratio_samples[i]) ? json_real(row->ratio_samples[i]) : json_null());
     return (pm__cell){.type = PM__TREE, .tree = list};
 }
 
@@ -120,7 +121,9 @@ static json_t *radius_option(const pm__search_config *config)
 {
     char automatic[48];
     (void)snprintf(automatic, sizeof automatic, "auto:%zu", config->radius_hits);
-    return config->radius_hits ? json_string(automatic) : config->radius > 0.0 ? json_real(config->radius) : json_null();
+    return config->radius_hits    ? json_string(automatic)
+           : config->radius > 0.0 ? json_real(config->radius)
+                                  : json_null();
 }
 
 static json_t *filter_names(const pm__search_config *config)
@@ -151,13 +154,15 @@ static json_t *options_of(const pm__search_config *config)
     json_t *const options = json_object();
     (void)json_object_set_new(options, "case", names_of_cases(config));
     (void)json_object_set_new(options, "input", config->given_name ? json_string(config->given_name) : json_null());
-    (void)json_object_set_new(options, "photons", counts(config->photons, config->given_name ? 0 : config->photon_count));
+    (void)json_object_set_new(options, "photons",
+                              counts(config->photons, config->given_name ? 0 : config->photon_count));
     (void)json_object_set_new(options, "k", counts(config->ks, config->k_count));
     (void)json_object_set_new(options, "radius", radius_option(config));
     (void)json_object_set_new(options, "order", order_names(config));
     (void)json_object_set_new(options, "filters", filter_names(config));
     (void)json_object_set_new(options, "search", names_of_contenders(config));
-    (void)json_object_set_new(options, "samples", config->samples ? json_integer((json_int_t)config->samples) : json_null());
+    (void)json_object_set_new(options, "samples",
+                              config->samples ? json_integer((json_int_t)config->samples) : json_null());
     (void)json_object_set_new(options, "seconds", json_real(config->seconds));
     (void)json_object_set_new(options, "threads", json_integer((json_int_t)config->threads));
     return options;

@@ -153,7 +153,8 @@ static void print_against_baseline(FILE *file, const pm__search_row *row)
 
 static void print_summary(FILE *file, const pm__search_row **sorted, size_t count)
 {
-    if (count == 1 && sorted[0]->baseline && strcmp(sorted[0]->baseline, pm__contender_name(&sorted[0]->contender)) != 0)
+    if (count == 1 && sorted[0]->baseline &&
+        strcmp(sorted[0]->baseline, pm__contender_name(&sorted[0]->contender)) != 0)
         print_against_baseline(file, sorted[0]);
     const double level = count > 1 ? 1.0 - 0.05 / (double)(count - 1) : 0.95;
     for (size_t i = 1; i < count; i++)

@@ -106,7 +106,8 @@ static void print_notes(const pm__table *table, size_t first, size_t end)
         const pm__accuracy_row *const row = &table->rows[i];
         bool said = strcmp(row->status, "ok") == 0;
         for (size_t j = first; j < i && !said; j++)
-            said = table->rows[j].estimator_spec == row->estimator_spec && strcmp(table->rows[j].detail, row->detail) == 0;
+            said =
+                table->rows[j].estimator_spec == row->estimator_spec && strcmp(table->rows[j].detail, row->detail) == 0;
         if (said)
             continue;
         char label[PM__MAX_SPEC], text[PM__MAX_SPEC + PM__DETAIL_SIZE + 40];
@@ -255,8 +256,8 @@ static void print_long(const pm__table *table, size_t first, size_t end)
     int label = label_width(table);
     if (label > PM__SCREEN_WIDTH - LONG_NUMBERS)
         label = PM__SCREEN_WIDTH - LONG_NUMBERS;
-    (void)fprintf(table->file, "%*s%s   bias    95 %% interval predicted noise predicted  rmse    us%s\n", label + 8, "",
-                  bold(table), plain(table));
+    (void)fprintf(table->file, "%*s%s   bias    95 %% interval predicted noise predicted  rmse    us%s\n", label + 8,
+                  "", bold(table), plain(table));
     for (size_t i = first; i < end; i++)
         print_long_line(table, &table->rows[i], label);
 }
@@ -280,8 +281,8 @@ void pm__table_print(const pm__table *table)
         print_run_header(table, &table->rows[i]);
         while (i < run_end) {
             const size_t end = pm__table_run(table, i, true);
-            (void)fprintf(table->file, "  region %s%s%s, %zu probes\n", bold(table), table->rows[i].region, plain(table),
-                          table->rows[i].probes);
+            (void)fprintf(table->file, "  region %s%s%s, %zu probes\n", bold(table), table->rows[i].region,
+                          plain(table), table->rows[i].probes);
             if (long_form)
                 print_long(table, i, end);
             else

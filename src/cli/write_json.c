@@ -3,9 +3,45 @@
 #include "version.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { FLAGS = JSON_ENCODE_ANY | JSON_COMPACT | JSON_REAL_PRECISION(17) };
+enum { FLAGS = JSON_ENCODE_ANY | JSON_COMPACT, FEWEST_DIGITS = 15, MOST_DIGITS = 17 };
+
+static size_t larger(size_t a, size_t b)
+{
+    return a > b ? a : b;
+}
+
+/* The digits with which every number of a value reads back exactly: 0.04 needs no 0.040000000000000001. */
+static size_t digits_of(json_t *value)
+{
+    size_t digits = FEWEST_DIGITS;
+    const char *key;
+    json_t *member;
+    size_t i;
+    if (json_is_real(value)) {
+        char text[32];
+        for (; digits < MOST_DIGITS; digits++) {
+            (void)snprintf(text, sizeof text, "%.*g", (int)digits, json_real_value(value));
+            if (strtod(text, NULL) == json_real_value(value))
+                break;
+        }
+    }
+    json_array_foreach(value, i, member)
+        digits = larger(digits, digits_of(member));
+    json_object_foreach(value, key, member)
+        digits = larger(digits, digits_of(member));
+    return digits;
+}
+
+/* Takes `value` over. */
+static void write_member(FILE *file, const char *name, json_t *value)
+{
+    (void)fprintf(file, "\"%s\":", name);
+    (void)json_dumpf(value, file, FLAGS | JSON_REAL_PRECISION(digits_of(value)));
+    json_decref(value);
+}
 
 /* NaN and infinity have no form in JSON. */
 static json_t *number(double value)
@@ -40,11 +76,11 @@ static void write_row(FILE *file, const pm__results *results, size_t index)
 {
     pm__cell cells[PM__MAX_FIELDS] = {{PM__ABSENT, NULL, false, 0, 0.0, 0.0, NULL}};
     results->row(results->context, index, cells);
-    json_t *const row = json_object();
-    for (size_t i = 0; i < results->field_count; i++)
-        (void)json_object_set_new(row, results->fields[i], value_of(&cells[i]));
-    (void)json_dumpf(row, file, FLAGS);
-    json_decref(row);
+    for (size_t i = 0; i < results->field_count; i++) {
+        (void)fputc(i ? ',' : '{', file);
+        write_member(file, results->fields[i], value_of(&cells[i]));
+    }
+    (void)fputc('}', file);
 }
 
 static json_t *head_of(const pm__results *results)
@@ -71,7 +107,7 @@ void pm__write_json(FILE *file, const pm__results *results)
     (void)fputs("{\n", file);
     json_object_foreach(head, key, value) {
         (void)fprintf(file, "  \"%s\": ", key);
-        (void)json_dumpf(value, file, FLAGS);
+        (void)json_dumpf(value, file, FLAGS | JSON_REAL_PRECISION(digits_of(value)));
         (void)fputs(",\n", file);
     }
     json_decref(head);

@@ -1,6 +1,6 @@
-/* The photons that carry an estimate, [C02] 5.4.1: a share of all, evenly taken from the caller's order. (The course takes
- * the top of its tree; which photons are on top depends on the structure, and an estimate should not.) They have a map of
- * their own, in the caller's order so that ties go as everywhere. */
+/* The photons that carry an estimate, [C02] 5.4.1: a share of all, evenly taken from the caller's order. (The course
+ * takes the top of its tree; which photons are on top depends on the structure, and an estimate should not.) They have
+ * a map of their own, in the caller's order so that ties go as everywhere. */
 #ifndef PM_LOOKUP_CARRIERS_H
 #define PM_LOOKUP_CARRIERS_H
 

@@ -125,8 +125,8 @@ pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *n
 enum { BATCH = 32 };
 
 /* Up to BATCH queries from the first on that the same search answers; how many are done, fewer where one failed. */
-static size_t search_some(const pm_map *map, const pm_query *queries, size_t count, pm_neighbor *neighbors, size_t stride,
-                          size_t *counts, pm_status *status)
+static size_t search_some(const pm_map *map, const pm_query *queries, size_t count, pm_neighbor *neighbors,
+                          size_t stride, size_t *counts, pm_status *status)
 {
     pm__query prepared[BATCH];
     pm__result results[BATCH];

@@ -76,6 +76,8 @@ static pm_status check_tree(const pm_map *map, pm_error *error)
 
 pm_status pm_map_check(const pm_map *map, pm_error *error)
 {
+    if (!map)
+        return pm__fail(error, PM_EINVAL, "no map");
     for (size_t i = 0; i < map->count; i++) {
         float position[3];
         pm__position(map, i, position);

@@ -20,8 +20,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The range along an axis of all but the outermost photons: 0.5 % at each end of a sample, widened so that a uniform cloud
- * is covered whole. */
+/* The range along an axis of all but the outermost photons: 0.5 % at each end of a sample, widened so that a uniform
+ * cloud is covered whole. */
 static void bulk(const pm__item *items, size_t count, unsigned axis, double *low, double *high)
 {
     float sample[SAMPLE];
@@ -70,7 +70,8 @@ static double cells_along(double range, double inverse_edge)
 
 static double cell_count(const double range[3], double inverse_edge)
 {
-    return cells_along(range[0], inverse_edge) * cells_along(range[1], inverse_edge) * cells_along(range[2], inverse_edge);
+    return cells_along(range[0], inverse_edge) * cells_along(range[1], inverse_edge) *
+           cells_along(range[2], inverse_edge);
 }
 
 /* The smallest cells of which there are at most `limit`: by bisection of their number along the longest axis. */
@@ -103,8 +104,8 @@ static size_t cells_of(const pm__grid *grid)
     return grid->cells[0] * grid->cells[1] * grid->cells[2];
 }
 
-/* Cells of all items, and in starts[c + 1] how many are in cell c. Returns the number that the average photon shares its
- * cell with. */
+/* Cells of all items, and in starts[c + 1] how many are in cell c. Returns the number that the average photon shares
+ * its cell with. */
 static double count_cells(const pm__grid *grid, const pm__item *items, size_t count, uint32_t *cells)
 {
     const size_t all = cells_of(grid);
@@ -211,7 +212,7 @@ static size_t bytes(const pm_map *map, const void *index)
     return starts + blocks + (grid->numbers ? map->count * sizeof *grid->numbers : 0);
 }
 
-const pm__structure pm__structure_grid = {PM__GRID, arrange, place, destroy, bytes, false};
+const pm__structure pm__structure_grid = {PM__GRID, arrange, place, destroy, bytes, false, 4.0, 20.0};
 
 pm_status pm__grid_check(const pm_map *map, pm_error *error)
 {

@@ -1,16 +1,16 @@
 /* PM__GRID: photons counted into the cubes of a uniform grid, row by row, for searches of a fixed radius.
  *
- * The grid covers the bulk of the photons; those outside belong to its outermost cells, which have no outer side. So a few
- * photons far off make no cell larger, and memory is bounded for any extent: at most one cell a photon. Where the photons
- * fill them, cells hold about six. */
+ * The grid covers the bulk of the photons; those outside belong to its outermost cells, which have no outer side. So a
+ * few photons far off make no cell larger, and memory is bounded for any extent: at most one cell a photon. Where the
+ * photons fill them, cells hold about six. */
 #ifndef PM_MAP_GRID_H
 #define PM_MAP_GRID_H
 
 #include "map.h"
 
-/* Places 0..count-1 are ordered by cell; place p is lane p % 16 of block p / 16. Axis o = 0 is the longest: along it the
- * cells of a row follow each other. Invariant: the photons of cell c are those of places starts[c] .. starts[c + 1] - 1,
- * and c = (c2 * cells[1] + c1) * cells[0] + c0 with co = pm__grid_cell(grid, o, position[axis[o]]). */
+/* Places 0..count-1 are ordered by cell; place p is lane p % 16 of block p / 16. Axis o = 0 is the longest: along it
+ * the cells of a row follow each other. Invariant: the photons of cell c are those of places starts[c] .. starts[c + 1]
+ * - 1, and c = (c2 * cells[1] + c1) * cells[0] + c0 with co = pm__grid_cell(grid, o, position[axis[o]]). */
 typedef struct pm__grid {
     unsigned axis[3];
     size_t cells[3];

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nodes with but one child on the way to a new leaf. In random order a node of n photons below is one with probability 2/n,
- * so only the lowest few are; more of them mean an order that leaves one side of its planes empty. */
+/* Nodes with but one child on the way to a new leaf. In random order a node of n photons below is one with probability
+ * 2/n, so only the lowest few are; more of them mean an order that leaves one side of its planes empty. */
 enum { MOST_LONE = 8 };
 
 /* While a tree grows a photon's number is the caller's index, and so the tie-breaker. */
@@ -99,11 +99,11 @@ static pm_status rebuild(pm__grown *tree, const uint32_t *path, unsigned level, 
     return PM_OK;
 }
 
-/* The scapegoat of a path of `depth` links that is too long: the lowest node on it with n photons below it and more than
- * 4 log2 n links to the path's end (the root is one). One link further down there was none, so the scapegoat has a child
- * with more than 2^(-1/4) of its photons: balanced, it stays fit for a number of additions of the order of n.
- * A path with too many lone nodes: the lowest that has so many below it. Balanced it is lone no more, and each photon was
- * below so few lone nodes, that all such rebuilding costs O(log N) a photon. */
+/* The scapegoat of a path of `depth` links that is too long: the lowest node on it with n photons below it and more
+ * than 4 log2 n links to the path's end (the root is one). One link further down there was none, so the scapegoat has a
+ * child with more than 2^(-1/4) of its photons: balanced, it stays fit for a number of additions of the order of n.
+ * A path with too many lone nodes: the lowest that has so many below it. Balanced it is lone no more, and each photon
+ * was below so few lone nodes, that all such rebuilding costs O(log N) a photon. */
 static pm_status level_out(pm__grown *tree, const uint32_t *path, unsigned depth, bool too_long)
 {
     size_t below = 1;
@@ -119,9 +119,10 @@ static pm_status level_out(pm__grown *tree, const uint32_t *path, unsigned depth
     return PM_OK;
 }
 
-/* The axis that a node splits. A leaf takes, when a photon comes after it, the first axis after its parent's along which the
- * two differ: axes take turns ([Bentley 1975]), but where photons lie in a plane or on a line no level is wasted on parting
- * what is not apart. No bounding box is asked: that of photons so far says little of those to come. */
+/* The axis that a node splits. A leaf takes, when a photon comes after it, the first axis after its parent's along
+ * which the two differ: axes take turns ([Bentley 1975]), but where photons lie in a plane or on a line no level is
+ * wasted on parting what is not apart. No bounding box is asked: that of photons so far says little of those to
+ * come. */
 static unsigned axis_at(pm__grown_node *node, const float position[3], unsigned above)
 {
     if (node->right == PM__NO_CHILD && pm__grown_child(node, 0) == PM__NO_CHILD) {
@@ -207,8 +208,8 @@ static uint32_t renumber(uint32_t child, const uint32_t *numbers)
     return child == PM__NO_CHILD ? child : numbers[child];
 }
 
-/* In a map of another order the nodes are moved to where their photons' numbers say: no table is needed, and neighbours in
- * that order share cache lines. */
+/* In a map of another order the nodes are moved to where their photons' numbers say: no table is needed, and neighbours
+ * in that order share cache lines. */
 static pm_status place(const pm_map *map, void *index, const uint32_t *numbers)
 {
     pm__grown *const tree = index;
@@ -236,7 +237,7 @@ static size_t bytes(const pm_map *map, const void *index)
     return ((const pm__grown *)index)->capacity * sizeof(pm__grown_node);
 }
 
-const pm__structure pm__structure_grown = {PM__GROWN, arrange, place, destroy, bytes, false};
+const pm__structure pm__structure_grown = {PM__GROWN, arrange, place, destroy, bytes, false, 20.0, 16.0};
 
 /* ---- maps that grow ----------------------------------------------------------------------------- */
 

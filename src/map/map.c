@@ -27,6 +27,18 @@ const pm__structure *pm__structure_of(pm__structure_id id)
     return NULL;
 }
 
+double pm__bytes_when_built(pm__structure_id id)
+{
+    const pm__structure *const structure = pm__structure_of(id);
+    return PM__MAP_BYTES + (structure ? structure->held : 0.0);
+}
+
+double pm__bytes_to_build(pm__structure_id id)
+{
+    const pm__structure *const structure = pm__structure_of(id);
+    return pm__bytes_when_built(id) + PM__ITEM_BYTES + (structure ? structure->building : 0.0);
+}
+
 /* All exponents are ones in no value but NaN and infinity: a loop without branches for the many maps that are sound. */
 static bool all_finite(const pm_photon *photons, size_t count)
 {

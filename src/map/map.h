@@ -6,14 +6,21 @@
 
 enum { PM__LANES = 16 };
 
-/* Positions of 16 photons, map units relative to the map's centre; lanes beyond the last photon are +INFINITY, so that no
- * distance to them is ever small enough. */
+/* Positions of 16 photons, map units relative to the map's centre; lanes beyond the last photon are +INFINITY, so that
+ * no distance to them is ever small enough. */
 typedef struct pm__block {
     float x[PM__LANES], y[PM__LANES], z[PM__LANES];
 } pm__block;
 
 /* What searches walk. Each structure is one file here, with a row in `structures` of structure.h. */
-typedef enum pm__structure_id { PM__NO_STRUCTURE, PM__KD_TREE, PM__WIDE, PM__GRID, PM__GROWN, PM__STRUCTURES } pm__structure_id;
+typedef enum pm__structure_id {
+    PM__NO_STRUCTURE,
+    PM__KD_TREE,
+    PM__WIDE,
+    PM__GRID,
+    PM__GROWN,
+    PM__STRUCTURES
+} pm__structure_id;
 
 /* Invariants: photon `number` (0..count-1) is lane number % 16 of block number / 16; ids[number] is its index in the
  * caller's array, a permutation of 0..count-1; direction and power are stored by number. */
@@ -63,9 +70,9 @@ typedef struct pm__node {
     uint32_t number_axis; /* number << 2 | split axis */
 } pm__node;
 
-/* index[PM__KD_TREE] is nodes[0..count], nodes[0] unused. Invariants: nodes[1..count] is a left-balanced kd-tree in heap
- * order: the children of i are 2i and 2i+1, those beyond count do not exist. With a = axis of i, every node of the left
- * subtree comes before i, every node of the right one after it, in the order (position[a], id). */
+/* index[PM__KD_TREE] is nodes[0..count], nodes[0] unused. Invariants: nodes[1..count] is a left-balanced kd-tree in
+ * heap order: the children of i are 2i and 2i+1, those beyond count do not exist. With a = axis of i, every node of the
+ * left subtree comes before i, every node of the right one after it, in the order (position[a], id). */
 static inline const pm__node *pm__tree(const pm_map *map)
 {
     return map->index[PM__KD_TREE];

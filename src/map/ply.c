@@ -14,6 +14,7 @@ enum { FIRST_CAPACITY = 4096 };
 
 /* Where the vertices go: one array, or two that grow together. */
 typedef struct table {
+    const pm__ply_budget *budget; /* or NULL */
     void *columns[2];
     size_t sizes[2]; /* of an entry; 0: there is no such array */
     size_t capacities[2];
@@ -82,8 +83,24 @@ static pm_status store_point(const table *t, const pm__ply *ply, const double *v
     return store_normal(ply, values + 3, point->normal, i, error);
 }
 
+/* A system that promises more memory than it has kills who takes it at its word: so ask first. */
+static pm_status check_budget(const table *t, const pm__ply *ply, size_t wanted, pm_error *error)
+{
+    const double arrays = (double)(t->sizes[0] + t->sizes[1]);
+    if (!t->budget || !(t->budget->memory > 0.0))
+        return PM_OK;
+    const double needed = (double)wanted * (arrays + t->budget->per_vertex);
+    if (needed <= t->budget->memory)
+        return PM_OK;
+    return pm__fail(error, PM_ENOMEM, "%s: %zu of %" PRIu64 " vertices take %.3g GB of memory; %.3g GB are free",
+                    ply->input.name, wanted, ply->vertex->count, 1e-9 * needed, 1e-9 * t->budget->memory);
+}
+
 static pm_status reserve(table *t, const pm__ply *ply, size_t wanted, pm_error *error)
 {
+    const pm_status status = check_budget(t, ply, wanted, error);
+    if (status != PM_OK)
+        return status;
     for (int c = 0; c < 2; c++)
         if (t->sizes[c] && pm__grow(&t->columns[c], &t->capacities[c], wanted, t->sizes[c]) != 0)
             return pm__fail(error, PM_ENOMEM, "%s: no memory for %" PRIu64 " vertices", ply->input.name,
@@ -122,6 +139,12 @@ static bool has_normals(const pm__ply *ply)
 pm_status pm_ply_read_photons(const char *path, pm_photon **photons, float (**normals)[3], size_t *count,
                               pm_error *error)
 {
+    return pm__ply_read_photons(path, NULL, photons, normals, count, error);
+}
+
+pm_status pm__ply_read_photons(const char *path, const pm__ply_budget *budget, pm_photon **photons,
+                               float (**normals)[3], size_t *count, pm_error *error)
+{
     if (normals)
         *normals = NULL;
     if (photons)
@@ -135,7 +158,9 @@ pm_status pm_ply_read_photons(const char *path, pm_photon **photons, float (**no
     if (status != PM_OK)
         return status;
     const bool with_normals = normals && has_normals(&ply);
-    table t = {.sizes = {sizeof(pm_photon), with_normals ? sizeof(float[3]) : 0}, .store = store_photon};
+    table t = {.budget = budget,
+               .sizes = {sizeof(pm_photon), with_normals ? sizeof(float[3]) : 0},
+               .store = store_photon};
     status = pm__ply_start(&ply, photon_fields, PHOTON_FIELDS + (with_normals ? NORMAL_FIELDS : 0), error);
     if (status == PM_OK)
         status = read_table(&ply, &t, error);
@@ -151,6 +176,12 @@ pm_status pm_ply_read_photons(const char *path, pm_photon **photons, float (**no
 
 pm_status pm_ply_read_points(const char *path, pm_surface_point **points, size_t *count, pm_error *error)
 {
+    return pm__ply_read_points(path, NULL, points, count, error);
+}
+
+pm_status pm__ply_read_points(const char *path, const pm__ply_budget *budget, pm_surface_point **points, size_t *count,
+                              pm_error *error)
+{
     if (points)
         *points = NULL;
     if (count)
@@ -161,7 +192,7 @@ pm_status pm_ply_read_points(const char *path, pm_surface_point **points, size_t
     pm_status status = pm__ply_open(path, &ply, error);
     if (status != PM_OK)
         return status;
-    table t = {.sizes = {sizeof(pm_surface_point), 0}, .store = store_point};
+    table t = {.budget = budget, .sizes = {sizeof(pm_surface_point), 0}, .store = store_point};
     status = pm__ply_start(&ply, point_fields, POINT_FIELDS, error);
     if (status == PM_OK)
         status = read_table(&ply, &t, error);

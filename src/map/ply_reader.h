@@ -4,6 +4,8 @@
 
 #include "ply_header.h"
 
+#include "../photonmap.h"
+
 enum { PM__PLY_FIELDS = 12 };
 
 /* A scalar property that the caller needs. */
@@ -20,6 +22,19 @@ typedef struct pm__ply {
     uint64_t line, offset;        /* where the last vertex began */
     int slot[PM__PLY_PROPERTIES]; /* of each of the vertex's properties: which field it is, or -1 */
 } pm__ply;
+
+/* What may be taken for a file's vertices. */
+typedef struct pm__ply_budget {
+    double memory;     /* bytes; 0: as many as it wants */
+    double per_vertex; /* bytes that the caller will want for each, beside what reading takes */
+} pm__ply_budget;
+
+/* pm_ply_read_photons and pm_ply_read_points within a budget (NULL: none): ENOMEM before it is exceeded, at once where
+ * the file's size vouches for the header's count. */
+pm_status pm__ply_read_photons(const char *path, const pm__ply_budget *budget, pm_photon **photons,
+                               float (**normals)[3], size_t *count, pm_error *error);
+pm_status pm__ply_read_points(const char *path, const pm__ply_budget *budget, pm_surface_point **points, size_t *count,
+                              pm_error *error);
 
 /* Opens, reads the header, finds the element `vertex`. On error nothing is to be closed. */
 pm_status pm__ply_open(const char *path, pm__ply *ply, pm_error *error);

@@ -61,9 +61,9 @@ static const pm__item *median_of_three(const pm__item *a, const pm__item *b, con
     return before(a, c, axis) ? a : before(b, c, axis) ? c : b;
 }
 
-/* A pivot a little beyond the wanted rank, on the side where more lies: from a sorted sample, at the rank's own place in it
- * less or more one standard deviation. One pass then cuts off the far side, a second all but a few (Floyd & Rivest 1975 in
- * spirit). */
+/* A pivot a little beyond the wanted rank, on the side where more lies: from a sorted sample, at the rank's own place
+ * in it less or more one standard deviation. One pass then cuts off the far side, a second all but a few (Floyd &
+ * Rivest 1975 in spirit). */
 static pm__item sampled_pivot(const pm__item *items, size_t count, size_t rank, unsigned axis)
 {
     enum { SAMPLE = 96 };
@@ -126,7 +126,8 @@ static size_t partition(pm__item *items, size_t count, pm__item pivot, unsigned 
     return border;
 }
 
-/* Quickselect; input that defeats the pivots is sorted by a heap instead, so the cost stays O(n log n) for any input. */
+/* Quickselect; input that defeats the pivots is sorted by a heap instead, so the cost stays O(n log n) for any
+ * input. */
 void pm__select_rank(pm__item *items, size_t count, size_t rank, unsigned axis)
 {
     for (unsigned budget = 64; count > SMALL; budget--) {

@@ -8,15 +8,25 @@ typedef struct pm__structure {
     pm__structure_id id;
     /* Sorts the items into the structure's own order and builds *index. */
     pm_status (*arrange)(pm__item *items, size_t count, const pm_map_options *options, void **index);
-    /* Tells the index the map's numbers of its items in arranged order; numbers NULL: they are 0, 1, 2, ... The map's arrays
-     * are complete by then. NULL: nothing to tell; but see first_only. */
+    /* Tells the index the map's numbers of its items in arranged order; numbers NULL: they are 0, 1, 2, ... The map's
+     * arrays are complete by then. NULL: nothing to tell; but see first_only. */
     pm_status (*place)(const pm_map *map, void *index, const uint32_t *numbers);
     void (*destroy)(void *index);
     size_t (*bytes)(const pm_map *map, const void *index); /* beside ids and photons */
     bool first_only; /* can only give a map its order, not be added later */
+    /* Bytes a photon at most, for those who ask before they build: beside PM__MAP_BYTES, and beside PM__ITEM_BYTES
+     * while it is built. */
+    double held, building;
 } pm__structure;
 
 extern const pm__structure pm__structure_tree, pm__structure_wide, pm__structure_grid, pm__structure_grown;
+
+/* What every map has (position, id, direction, power), and what every build needs for a while. */
+enum { PM__MAP_BYTES = 40, PM__ITEM_BYTES = sizeof(pm__item) };
+
+/* Bytes a photon while a map whose order is that structure's is built, and of it when it is. */
+double pm__bytes_to_build(pm__structure_id id);
+double pm__bytes_when_built(pm__structure_id id);
 
 /* By id; NULL for PM__NO_STRUCTURE. */
 const pm__structure *pm__structure_of(pm__structure_id id);

@@ -227,7 +227,7 @@ static size_t bytes(const pm_map *map, const void *index)
     return nodes * sizeof(pm__boxes) + wide->hints.count * sizeof(pm__hint) + map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
 }
 
-const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true};
+const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true, 5.0, 0.0};
 
 pm_status pm__wide_check(const pm_map *map, pm_error *error)
 {

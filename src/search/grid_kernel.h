@@ -1,5 +1,5 @@
-/* The search `grid`, written once for every SIMD width (simd.h): the runs of cells that the sphere touches, row by row, all
- * their photons measured, those within collected by compress and store. */
+/* The search `grid`, written once for every SIMD width (simd.h): the runs of cells that the sphere touches, row by row,
+ * all their photons measured, those within collected by compress and store. */
 #ifndef PM_SEARCH_GRID_KERNEL_H
 #define PM_SEARCH_GRID_KERNEL_H
 

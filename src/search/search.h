@@ -1,8 +1,8 @@
 /* What a search is. A search knows geometry only: positions, and for the front-side filter directions.
  *
  * Contract of `find`: leaves in `result` exactly the query's neighbours - those with the smallest
- * (distance2, caller's index) among the photons that pm__measure and pm__in_front accept - in any order, result->count of
- * them. All searches measure with the same operations in the same order, so all agree to the last bit. */
+ * (distance2, caller's index) among the photons that pm__measure and pm__in_front accept - in any order, result->count
+ * of them. All searches measure with the same operations in the same order, so all agree to the last bit. */
 #ifndef PM_SEARCH_SEARCH_H
 #define PM_SEARCH_SEARCH_H
 

@@ -1,5 +1,5 @@
-/* One SIMD vocabulary for the kernels, in the width that PM__SIMD_WIDTH asks for (0: plain C, 4, 8, 16 lanes). Comparisons are
- * false on NaN. No operation contracts or reorders, so every width rounds alike. */
+/* One SIMD vocabulary for the kernels, in the width that PM__SIMD_WIDTH asks for (0: plain C, 4, 8, 16 lanes).
+ * Comparisons are false on NaN. No operation contracts or reorders, so every width rounds alike. */
 #ifndef PM_SEARCH_SIMD_H
 #define PM_SEARCH_SIMD_H
 
@@ -99,8 +99,9 @@ static inline void v_compress(float *to, vf a, unsigned mask)
 }
 static inline void v_compress_bits(uint32_t *to, const uint32_t *from, unsigned mask)
 {
-    _mm256_storeu_si256((__m256i *)(void *)to,
-                        _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const __m256i *)(const void *)from), v_order(mask)));
+    _mm256_storeu_si256(
+        (__m256i *)(void *)to,
+        _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const __m256i *)(const void *)from), v_order(mask)));
 }
 static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
 {
@@ -149,9 +150,9 @@ static inline vf v_bytes(const int8_t *p)
 /* For each mask the lanes that it holds, lowest first, two bits a lane. */
 static inline __m128i v_order(unsigned mask)
 {
-    static const uint8_t lanes[16][4] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0},
-                                         {1, 2, 0, 0}, {0, 1, 2, 0}, {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0},
-                                         {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
+    static const uint8_t lanes[16][4] = {
+        {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}, {0, 1, 2, 0},
+        {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0}, {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
     int32_t four;
     memcpy(&four, lanes[mask], sizeof four);
     return _mm_cvtepu8_epi32(_mm_cvtsi32_si128(four));
@@ -201,7 +202,10 @@ static inline vf v_sub(vf a, vf b) { PM__LANEWISE(a.lane[i] - b.lane[i]); }
 static inline vf v_mul(vf a, vf b) { PM__LANEWISE(a.lane[i] * b.lane[i]); }
 static inline vf v_max(vf a, vf b) { PM__LANEWISE(a.lane[i] > b.lane[i] ? a.lane[i] : b.lane[i]); }
 static inline vf v_min(vf a, vf b) { PM__LANEWISE(a.lane[i] < b.lane[i] ? a.lane[i] : b.lane[i]); }
-static inline vf v_add_where(vf a, vf b, unsigned mask) { PM__LANEWISE(mask >> i & 1 ? a.lane[i] + b.lane[i] : a.lane[i]); }
+static inline vf v_add_where(vf a, vf b, unsigned mask)
+{
+    PM__LANEWISE(mask >> i & 1 ? a.lane[i] + b.lane[i] : a.lane[i]);
+}
 static inline vf v_bytes(const int8_t *p) { PM__LANEWISE((float)p[i]); }
 static inline void v_store(float *p, vf a) { memcpy(p, a.lane, sizeof a.lane); }
 static inline float v_least(vf a)

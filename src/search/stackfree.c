@@ -1,6 +1,6 @@
-/* Wald's walk without a stack (2022): in heap order the parent of i is i/2 and its children are known, so where the walk
- * came from tells what is left to do at a node. Nothing is remembered but the node before; a plane is measured anew each
- * time the walk passes. */
+/* Wald's walk without a stack (2022): in heap order the parent of i is i/2 and its children are known, so where the
+ * walk came from tells what is left to do at a node. Nothing is remembered but the node before; a plane is measured
+ * anew each time the walk passes. */
 #include "result.h"
 
 static void find(const pm_map *map, const pm__query *query, pm__result *result)

@@ -15,8 +15,8 @@ static void visit(const walk *w, uint32_t number)
     const pm__grown_node *const node = &w->nodes[number];
     const unsigned axis = pm__grown_axis(node);
     const float to_plane = w->query->position[axis] - node->position[axis];
-    /* On the plane itself: to the right, where all equal ones went that came later. Else walls of a box, on which queries
-     * and planes coincide, would be searched from the empty side. */
+    /* On the plane itself: to the right, where all equal ones went that came later. Else walls of a box, on which
+     * queries and planes coincide, would be searched from the empty side. */
     const unsigned side = to_plane >= 0.0f;
     const uint32_t near = pm__grown_child(node, side), far = pm__grown_child(node, !side);
     if (near != PM__NO_CHILD)

@@ -81,7 +81,8 @@ pm_status pm__choose_simd(pm_simd asked, pm_simd *chosen, pm_error *error)
             if (!strcmp(forced, names[i]))
                 asked = (pm_simd)i;
         if (asked == PM_SIMD_AUTO)
-            return pm__fail(error, PM_EINVAL, "PHOTONBENCH_SIMD is '%.40s': plain, v2, avx2 and avx512 are known", forced);
+            return pm__fail(error, PM_EINVAL, "PHOTONBENCH_SIMD is '%.40s': plain, v2, avx2 and avx512 are known",
+                            forced);
     }
     if (asked == PM_SIMD_AUTO)
         for (asked = PM_SIMD_AVX512; !available(asked);)

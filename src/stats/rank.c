@@ -1,4 +1,5 @@
-/* Two samples by their ranks: Mann and Whitney's test, Hodges and Lehmann's shift and the interval that inverts the test. */
+/* Two samples by their ranks: Mann and Whitney's test, Hodges and Lehmann's shift and the interval that inverts the
+ * test. */
 #include "stats.h"
 
 #include <math.h>
@@ -84,7 +85,8 @@ static double tie_sum(const pairs *s, double offset)
     return sum;
 }
 
-/* The counts of U are the coefficients of the Gaussian binomial, the product of (1 - q^(nb+i)) / (1 - q^i) over i to na. */
+/* The counts of U are the coefficients of the Gaussian binomial, the product of (1 - q^(nb+i)) / (1 - q^i) over i to
+ * na. */
 static void fill_exact(const pairs *s, null_law *law)
 {
     double *const c = law->cdf, total = 1.0, sum = 0.0;

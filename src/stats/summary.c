@@ -115,9 +115,9 @@ static pm__interval around_log(double log_value, double half)
 
 enum { PAIRED_TRIALS = 32 };
 
-/* The variance of the mean over probes of the squared noise of the trial mean: 2 tr(C^2) / n^2, C the covariance between
- * probes (over their number). Off the diagonal the products of two trials' deviations have the variance tr(C^2), so a
- * few trials tell it. sum_of_probe: sums over all trials. */
+/* The variance of the mean over probes of the squared noise of the trial mean: 2 tr(C^2) / n^2, C the covariance
+ * between probes (over their number). Off the diagonal the products of two trials' deviations have the variance
+ * tr(C^2), so a few trials tell it. sum_of_probe: sums over all trials. */
 static double noise_square_variance(const sums *u, const double *sum_of_probe)
 {
     const pm__trial_errors *const e = u->errors;
@@ -141,9 +141,9 @@ static double noise_square_variance(const sums *u, const double *sum_of_probe)
     return 2.0 * fmax(0.0, square / pairs - mean * mean) / (trials * trials);
 }
 
-/* Squared bias x from its unbiased estimate U, whose variance at x is 4 x s2 + v: s2 the noise along the bias, v that of
- * the squared noise. The interval is {x: |U - x| <= q sqrt(4 x s2 + v)}: unlike U +- q (standard error at U) it keeps
- * its coverage where noise has by chance cancelled most of the bias. */
+/* Squared bias x from its unbiased estimate U, whose variance at x is 4 x s2 + v: s2 the noise along the bias, v that
+ * of the squared noise. The interval is {x: |U - x| <= q sqrt(4 x s2 + v)}: unlike U +- q (standard error at U) it
+ * keeps its coverage where noise has by chance cancelled most of the bias. */
 static pm__interval squared_bias_interval(double u, double s2, double v, double q)
 {
     const double middle = u + 2.0 * q * q * s2;

@@ -3,6 +3,8 @@
 
 #include <pty.h>
 #include <signal.h>
+#include <stdbool.h>
+#include <sys/stat.h>
 #include <time.h>
 
 #define SMALL "--trials 3 --probes 16 --photons 500 --k 10,20 "
@@ -60,6 +62,17 @@ START_TEST(fixed_radius)
     ck_assert(json_is_null(json_object_get(row, "k")));
     ck_assert(json_real_value(json_object_get(row, "radius")) == 0.25);
     json_decref(root);
+    /* Searches work in single precision, but what was asked for is 0.04: in options and rows, JSON and CSV. */
+    const char *const small = "accuracy --case square --estimator disc --trials 2 --probes 4 --photons 500 "
+                              "--radius 0.04 %s -";
+    char arguments[200];
+    (void)snprintf(arguments, sizeof arguments, small, "--json");
+    const char *const out = pm__expect(arguments, 0, NULL)->out;
+    const char *const first = strstr(out, "\"radius\":0.04,");
+    ck_assert_ptr_nonnull(first);
+    ck_assert_ptr_nonnull(strstr(first + 1, "\"radius\":0.04,"));
+    (void)snprintf(arguments, sizeof arguments, small, "--csv");
+    ck_assert_ptr_nonnull(strstr(pm__expect(arguments, 0, NULL)->out, ",0.04,sphere,"));
 }
 END_TEST
 
@@ -162,10 +175,11 @@ START_TEST(tables)
     const char *out = pm__expect("accuracy --case square --estimator disc,hull:boundary=0 " SMALL, 0, NULL)->out;
     check_table(out, "95 % interval predicted");
     check_table(out, "Least rmse");
-    out = pm__expect("accuracy --case square,volume --trials 2 --probes 8 --photons 500 --k 12,15,20,30 --estimator all "
-                     "--estimator differential:rule=significance,z=2,noise=stratified",
-                     0, NULL)
-              ->out;
+    out =
+        pm__expect("accuracy --case square,volume --trials 2 --probes 8 --photons 500 --k 12,15,20,30 --estimator all "
+                   "--estimator differential:rule=significance,z=2,noise=stratified",
+                   0, NULL)
+            ->out;
     check_table(out, "   k=12 ");
     check_table(out, "\ndifferential:rule=significance,z=2,noise=stratified\n");
     check_table(out, "hull: unsupported");
@@ -205,18 +219,26 @@ static void pause_ms(long ms)
     (void)nanosleep(&t, NULL);
 }
 
+/* Waits until the program has opened its file in `place`. */
+static void wait_for_file(const pm__test_directory *place)
+{
+    for (int i = 0; i < 1000 && !pm__test_directory_entries(place, 0); i++)
+        pause_ms(5);
+    ck_assert_int_eq(pm__test_directory_entries(place, 0), 1);
+}
+
 START_TEST(interrupted)
 {
     const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();
     char json[PM__TEST_PATH], out[PM__TEST_PATH], err[PM__TEST_PATH], arguments[2 * PM__TEST_PATH];
-    (void)snprintf(arguments, sizeof arguments,
-                   "accuracy --case square --estimator disc --photons 40000 --k 10 --trials 100000 --probes 10 --json %s",
-                   pm__test_path(&place, "a.json", json));
+    (void)snprintf(
+        arguments, sizeof arguments,
+        "accuracy --case square --estimator disc --photons 40000 --k 10 --trials 100000 --probes 10 --json %s",
+        pm__test_path(&place, "a.json", json));
     const pid_t child =
         pm__start(arguments, pm__test_path(&streams, "out", out), pm__test_path(&streams, "err", err));
     /* Once its temporary file is there the program listens to signals. */
-    for (int i = 0; i < 1000 && !pm__test_directory_entries(&place, 0); i++)
-        pause_ms(5);
+    wait_for_file(&place);
     ck_assert_int_eq(kill(child, SIGINT), 0);
     ck_assert_int_eq(pm__wait(child), 130);
     json_t *const root = json_load_file(json, 0, NULL);
@@ -230,6 +252,40 @@ START_TEST(interrupted)
 }
 END_TEST
 
+/* While rows are written to standard output nothing asks whether to stop: a pipe that nobody reads from holds the
+ * program there for good, so only the second signal can end it. */
+START_TEST(interrupted_twice)
+{
+    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t i = 0; i < 3; i++) {
+        const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();
+        char fifo[PM__TEST_PATH], csv[PM__TEST_PATH], err[PM__TEST_PATH], arguments[2 * PM__TEST_PATH];
+        (void)snprintf(arguments, sizeof arguments,
+                       "accuracy --case square --trials 2 --photons 1000 --probes 1 --json - --csv %s",
+                       pm__test_path(&place, "a.csv", csv));
+        (void)pm__test_path(&streams, "err", err);
+        ck_assert_int_eq(mkfifo(pm__test_path(&streams, "out", fifo), 0600), 0);
+        const int unread = open(fifo, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+        ck_assert_int_ge(unread, 0);
+        char junk[4096] = "";
+        while (write(unread, junk, sizeof junk) > 0) /* until it is full */
+            continue;
+        const pid_t child = pm__start(arguments, fifo, err);
+        wait_for_file(&place);
+        pause_ms(500);
+        ck_assert_int_eq(kill(child, numbers[i]), 0);
+        pause_ms(100);
+        ck_assert_int_eq(waitpid(child, NULL, WNOHANG), 0);
+        ck_assert_int_eq(kill(child, numbers[i]), 0);
+        ck_assert_int_eq(pm__wait(child), 130);
+        ck_assert_int_eq(pm__test_directory_entries(&place, 0), 0);
+        (void)close(unread);
+        pm__test_directory_remove(&place);
+        pm__test_directory_remove(&streams);
+    }
+}
+END_TEST
+
 /* Not even a single trial that takes minutes keeps the program from stopping. */
 START_TEST(interrupted_in_a_long_trial)
 {
@@ -240,8 +296,7 @@ START_TEST(interrupted_in_a_long_trial)
                    pm__test_path(&place, "a.json", json));
     const pid_t child =
         pm__start(arguments, pm__test_path(&streams, "out", out), pm__test_path(&streams, "err", err));
-    for (int i = 0; i < 1000 && !pm__test_directory_entries(&place, 0); i++)
-        pause_ms(5);
+    wait_for_file(&place);
     pause_ms(3000); /* into the trials */
     const time_t asked = time(NULL);
     ck_assert_int_eq(kill(child, SIGTERM), 0);
@@ -293,8 +348,23 @@ static const char *on_terminal(const char *arguments, const char *term, const ch
     return text;
 }
 
+/* A system stripped of its pseudo-terminals (a chroot without /dev/pts) cannot show this. */
+static bool has_terminals(void)
+{
+    int master, slave;
+    if (openpty(&master, &slave, NULL, NULL, NULL) != 0)
+        return false;
+    (void)close(master);
+    (void)close(slave);
+    return true;
+}
+
 START_TEST(terminals)
 {
+    if (!has_terminals()) {
+        (void)puts("SKIP: no pseudo-terminals here: colours and the progress bar are not tried");
+        return;
+    }
 #define SHOWN "accuracy --case square --estimator disc --photons 2000 --k 10 --trials 200 --probes 100"
     const char *text = on_terminal(SHOWN, "xterm", NULL);
     ck_assert_ptr_nonnull(strstr(text, "\033[1m"));
@@ -312,5 +382,5 @@ START_TEST(terminals)
 END_TEST
 
 PM_TEST_MAIN("cli accuracy", json_has_the_contract, fixed_radius, a_volume_has_no_hull, threads_do_not_matter,
-             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted,
+             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted, interrupted_twice,
              interrupted_in_a_long_trial, more_than_memory_holds, terminals)

@@ -4,7 +4,8 @@
 enum { SAMPLES = 40, TEXT = 1 << 16 };
 static pm__test_directory place;
 
-static const char head[] = "{\"schema\":\"photonbench/1\",\"command\":\"%s\",\"machine\":{\"cpu\":\"x\"},\"rows\":[%s]}\n";
+static const char head[] =
+    "{\"schema\":\"photonbench/1\",\"command\":\"%s\",\"machine\":{\"cpu\":\"x\"},\"rows\":[%s]}\n";
 
 static void setup(void)
 {
@@ -35,11 +36,12 @@ static double spread = 0.02; /* of the samples, relative */
 static void add_search(char *rows, const char *search, int k, double ratio, unsigned seed, const char *exact)
 {
     size_t used = strlen(rows);
-    used += (size_t)snprintf(rows + used, TEXT - used,
-                             "%s{\"search\":\"%s\",\"case\":\"box\",\"photons\":1000,\"kind\":\"knn\",\"k\":%d,\"radius\":"
-                             "null,\"batch\":1,\"order\":\"coherent\",\"threads\":1,\"ns_per_query\":%d,\"baseline\":"
-                             "\"cgal\",\"ratio\":%.17g,\"exact\":%s,\"status\":\"ok\",\"ratio_samples\":",
-                             used ? "," : "", search, k, 100 + (int)seed, ratio, exact);
+    used +=
+        (size_t)snprintf(rows + used, TEXT - used,
+                         "%s{\"search\":\"%s\",\"case\":\"box\",\"photons\":1000,\"kind\":\"knn\",\"k\":%d,\"radius\":"
+                         "null,\"batch\":1,\"order\":\"coherent\",\"threads\":1,\"ns_per_query\":%d,\"baseline\":"
+                         "\"cgal\",\"ratio\":%.17g,\"exact\":%s,\"status\":\"ok\",\"ratio_samples\":",
+                         used ? "," : "", search, k, 100 + (int)seed, ratio, exact);
     for (int i = 0; i < SAMPLES; i++) {
         seed = seed * 1664525u + 1013904223u;
         const double noise = spread * ((double)(seed >> 8) / 8388608.0 - 1.0);
@@ -52,11 +54,12 @@ static void add_accuracy(char *rows, const char *estimator, double bias, double 
 {
     const size_t used = strlen(rows);
     const double t = 2.0395134, se = 0.01 / t; /* the quantile for 29 degrees of freedom: half widths of 0.01 */
-    (void)snprintf(rows + used, TEXT - used,
-                   "%s{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"%s\",\"kind\":\"knn\",\"k\":50,\"photons\":1000,"
-                   "\"trials\":30,\"rel_bias\":%.17g,\"rel_bias_ci95\":[%.17g,%.17g],\"rel_noise\":%.17g,\"rel_noise_ci95\":["
-                   "%.17g,%.17g],\"rel_rmse\":null,\"rel_rmse_ci95\":null}",
-                   used ? "," : "", estimator, bias, bias - t * se, bias + t * se, noise, noise / 1.02, noise * 1.02);
+    (void)snprintf(
+        rows + used, TEXT - used,
+        "%s{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"%s\",\"kind\":\"knn\",\"k\":50,\"photons\":1000,"
+        "\"trials\":30,\"rel_bias\":%.17g,\"rel_bias_ci95\":[%.17g,%.17g],\"rel_noise\":%.17g,\"rel_noise_ci95\":["
+        "%.17g,%.17g],\"rel_rmse\":null,\"rel_rmse_ci95\":null}",
+        used ? "," : "", estimator, bias, bias - t * se, bias + t * se, noise, noise / 1.02, noise * 1.02);
 }
 
 static const char *command(const char *a, const char *b, const char *rest)
@@ -208,8 +211,8 @@ START_TEST(losing_exactness_is_a_regression)
 }
 END_TEST
 
-/* Half widths of 0.01 at 29 degrees of freedom: a difference d has standard error 0.01 sqrt(2) / 2.045 = 0.00691, and with
- * a family of 10 a p of 0.005: 2.93 errors at 58 degrees, 0.0203. */
+/* Half widths of 0.01 at 29 degrees of freedom: a difference d has standard error 0.01 sqrt(2) / 2.045 = 0.00691, and
+ * with a family of 10 a p of 0.005: 2.93 errors at 58 degrees, 0.0203. */
 START_TEST(planted_accuracy_changes)
 {
     setup();
@@ -249,7 +252,8 @@ START_TEST(planted_accuracy_changes)
 }
 END_TEST
 
-static const char good_row[] = "{\"search\":\"wide\",\"case\":\"box\",\"photons\":9,\"ratio\":2,\"ratio_samples\":[2,2.1]}";
+static const char good_row[] =
+    "{\"search\":\"wide\",\"case\":\"box\",\"photons\":9,\"ratio\":2,\"ratio_samples\":[2,2.1]}";
 
 static const struct {
     const char *text; /* NULL: no such file */
@@ -267,9 +271,12 @@ static const struct {
     {"{\"schema\":\"photonbench/1\"}", 3, "command: expected text, not nothing"},
     {"{\"schema\":\"photonbench/1\",\"command\":\"search\"}", 3, "rows: expected an array, not nothing"},
     {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"rows\":{}}", 3, "rows: expected an array, not an object"},
-    {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"rows\":[7]}", 3, "rows[0]: expected an object, not a number"},
-    {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"rows\":[{}]}", 3, "rows[0].search: expected text, not nothing"},
-    {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"command\":\"search\"}", 3, "expected JSON: duplicate object key"},
+    {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"rows\":[7]}", 3,
+     "rows[0]: expected an object, not a number"},
+    {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"rows\":[{}]}", 3,
+     "rows[0].search: expected text, not nothing"},
+    {"{\"schema\":\"photonbench/1\",\"command\":\"search\",\"command\":\"search\"}", 3,
+     "expected JSON: duplicate object key"},
     {"{\"schema\":\"photonbench/1\",\"command\":\"list\",\"rows\":[]}", 2, "results of 'list' cannot be compared"},
     {"{\"schema\":\"photonbench/1\",\"command\":\"accuracy\",\"rows\":[]}", 2, "different commands cannot be compared"},
     {"\x76\x2f\x31\x01\x02", 2, "an OpenEXR image; images cannot be compared yet"},
@@ -323,7 +330,8 @@ START_TEST(hostile_rows)
     write_file("b.json", "search",
                "{\"search\":\"wide\",\"case\":\"box\",\"photons\":9,\"ratio\":1e308,\"ratio_samples\":[1e308,1e-308]}");
     (void)pm__expect(command("a.json", "b.json", "--json -"), 0, NULL);
-    write_file("b.json", "search", "{\"search\":\"wide\",\"case\":\"box\",\"photons\":9,\"ratio\":null,\"ratio_samples\":null}");
+    write_file("b.json", "search",
+               "{\"search\":\"wide\",\"case\":\"box\",\"photons\":9,\"ratio\":null,\"ratio_samples\":null}");
     json_t *const root = compare_json("a.json", "b.json", 0);
     ck_assert_str_eq(text_of(root, 0, "verdict"), "only in A");
     ck_assert_str_eq(text_of(root, 0, "quantity"), "ratio");
@@ -336,7 +344,8 @@ START_TEST(hostile_accuracy_rows)
 {
     setup();
     static const char *const values[][2] = {
-        {"\"trials\":30,\"rel_bias\":[],\"rel_bias_ci95\":[0,1]", "rows[0].rel_bias: expected a number or null, not an array"},
+        {"\"trials\":30,\"rel_bias\":[],\"rel_bias_ci95\":[0,1]",
+         "rows[0].rel_bias: expected a number or null, not an array"},
         {"\"trials\":30,\"rel_bias\":0,\"rel_bias_ci95\":[0]", "rows[0].rel_bias_ci95: expected [low, high] or null"},
         {"\"trials\":30,\"rel_bias\":0,\"rel_bias_ci95\":[1,0]", "but low is above high"},
         {"\"trials\":1,\"rel_bias\":0,\"rel_bias_ci95\":[0,1]", "rows[0].trials: expected a number, at least 2"},
@@ -347,7 +356,8 @@ START_TEST(hostile_accuracy_rows)
     };
     char row[500];
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
-        (void)snprintf(row, sizeof row, "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"disc\",\"photons\":9,%s}",
+        (void)snprintf(row, sizeof row,
+                       "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"disc\",\"photons\":9,%s}",
                        values[i][0]);
         write_file("a.json", "accuracy", row);
         (void)pm__expect(command("a.json", "a.json", ""), values[i][1] ? 3 : 0, values[i][1]);
@@ -384,5 +394,5 @@ START_TEST(usage_and_help)
 END_TEST
 
 PM_TEST_MAIN("cli compare", identical_files_do_not_differ, planted_search_changes, small_changes_are_tolerated,
-             rows_in_one_file_only, losing_exactness_is_a_regression, planted_accuracy_changes, hostile_files, hostile_rows,
-             hostile_accuracy_rows, foreign_text_is_made_printable, usage_and_help)
+             rows_in_one_file_only, losing_exactness_is_a_regression, planted_accuracy_changes, hostile_files,
+             hostile_rows, hostile_accuracy_rows, foreign_text_is_made_printable, usage_and_help)

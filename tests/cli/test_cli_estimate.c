@@ -1,6 +1,8 @@
 /* estimate as a script sees it, against sums made by hand. */
 #include "../program.h"
 
+#include <time.h>
+
 enum { PHOTONS = 120, QUERIES = 3 };
 static const char photon_header[] = "property float x\nproperty float y\nproperty float z\nproperty float dx\n"
                                     "property float dy\nproperty float dz\nproperty float r\nproperty float g\n"
@@ -101,7 +103,8 @@ static void check_cone(const char *csv, size_t k)
         double e[3], radius;
         size_t count;
         csv += strcspn(csv, "\n") + 1;
-        ck_assert_int_eq(sscanf(csv, "%d,%lf,%lf,%lf,%lf,%zu%n", &number, &e[0], &e[1], &e[2], &radius, &count, &used), 6);
+        ck_assert_int_eq(sscanf(csv, "%d,%lf,%lf,%lf,%lf,%zu%n", &number, &e[0], &e[1], &e[2], &radius, &count, &used),
+                         6);
         ck_assert_int_eq(csv[used], '\n');
         ck_assert_int_eq(number, q);
         const size_t lit = points[q][2] > 0.0 ? PHOTONS - PHOTONS / 5 : PHOTONS / 5;
@@ -141,6 +144,8 @@ START_TEST(fixed_radius)
     const double want = sum / (acos(-1.0) * 0.09);
     PM_CHECK_NEAR(json_real_value(json_object_get(row, "e_r")), want, 1e-6 * want);
     ck_assert_int_eq(json_integer_value(json_object_get(row, "count")), (json_int_t)count);
+    ck_assert(json_real_value(json_object_get(row, "radius")) == 0.3); /* as it was given */
+    ck_assert(json_real_value(json_object_get(json_object_get(root, "options"), "radius")) == 0.3);
     ck_assert_str_eq(json_string_value(json_object_get(row, "status")), "ok");
     json_decref(root);
 }
@@ -258,6 +263,33 @@ START_TEST(bad_files)
 }
 END_TEST
 
+/* A binary file of `count` vertices that is one hole: it takes no room on the disk. */
+static void write_hole(const char *name, const char *header, long count, long record)
+{
+    char path[PM__TEST_PATH], text[1000];
+    const int length =
+        snprintf(text, sizeof text, "ply\nformat binary_little_endian 1.0\nelement vertex %ld\n%s", count, header);
+    pm__test_write(pm__test_path(&place, name, path), text, (size_t)length);
+    ck_assert_int_eq(truncate(path, length + count * record), 0);
+}
+
+/* Files that are sound but do not fit are refused before they are read, not read until the system kills the program. */
+START_TEST(more_than_memory_holds)
+{
+    static const char *const photon_rests[] = {"", "--estimator precomputed", "--estimator combined --search grid"};
+    write_hole("holes.ply", photon_header, 1000000000, 36);
+    write_hole("queries.ply", query_header, 1000000000, 24);
+    const time_t start = time(NULL);
+    for (size_t i = 0; i < sizeof photon_rests / sizeof *photon_rests; i++) {
+        const char *const err = pm__expect(command("holes.ply", "q.ply", photon_rests[i]), 4, "GB of memory")->err;
+        ck_assert_ptr_nonnull(strstr(err, "holes.ply"));
+        ck_assert_ptr_nonnull(strstr(err, "GB are free"));
+    }
+    (void)pm__expect(command("p.ply", "queries.ply", ""), 4, "queries.ply: 1000000000 of 1000000000 vertices take");
+    ck_assert_int_le(time(NULL) - start, 5);
+}
+END_TEST
+
 START_TEST(outputs)
 {
     char path[PM__TEST_PATH], rest[PM__TEST_PATH + 16], text[4096];
@@ -275,7 +307,8 @@ static Suite *suite(void)
     const TTest *const tests[] = {equals_a_sum_by_hand, fixed_radius,
                                   no_photons,           degenerate,   k_beyond_the_photons,
                                   every_estimator_and_thread_count, dealing_follows_the_seed,
-                                  order_of_many_queries, bad_files,           outputs};
+                                  order_of_many_queries, bad_files,           more_than_memory_holds,
+                                  outputs};
     Suite *const all = suite_create("cli estimate");
     TCase *const tcase = tcase_create("cli estimate");
     tcase_add_checked_fixture(tcase, setup, teardown);

@@ -87,8 +87,10 @@ END_TEST
 START_TEST(test_same_rows_but_for_times)
 {
     static const char *const fields[] = {"search", "case", "k", "batch", "order", "count", "exact", "bytes_per_photon"};
-    json_t *const one = pm__expect_json("search --photons 900 --k 9 --search wide,recursive --samples 1 --threads 1 --json -");
-    json_t *const two = pm__expect_json("search --photons 900 --k 9 --search wide,recursive --samples 1 --threads 2 --json -");
+    json_t *const one =
+        pm__expect_json("search --photons 900 --k 9 --search wide,recursive --samples 1 --threads 1 --json -");
+    json_t *const two =
+        pm__expect_json("search --photons 900 --k 9 --search wide,recursive --samples 1 --threads 2 --json -");
     ck_assert_uint_eq(json_array_size(rows_of(one)), json_array_size(rows_of(two)));
     for (size_t i = 0; i < json_array_size(rows_of(one)); i++)
         for (size_t f = 0; f < sizeof fields / sizeof *fields; f++)
@@ -138,6 +140,7 @@ START_TEST(test_refusals)
     (void)pm__expect("search --input a.ply --case box", 2, "exclude");
     (void)pm__expect("search --input a.ply --photons 5", 2, "--photons");
     (void)pm__expect("search --input /nonexistent.ply", 3, "/nonexistent.ply");
+    (void)pm__expect("search --photons 10,1000000000 --samples 1", 4, "GB are free");
     (void)pm__expect("search --photons 50 --search brute --samples 1 --quiet --json /dev/full -o /dev/null", 4, "full");
 }
 END_TEST

@@ -192,8 +192,8 @@ static double along_s(double s, void *context)
 
 START_TEST(test_power)
 {
-    static const char *const curved[] = {"corner:irradiance=2,wall=0.5", "wall:irradiance=3", "sphere:radius=2,irradiance=3",
-                                         "volume:density=5"};
+    static const char *const curved[] = {"corner:irradiance=2,wall=0.5", "wall:irradiance=3",
+                                         "sphere:radius=2,irradiance=3", "volume:density=5"};
     gsl_integration_glfixed_table *const table = gsl_integration_glfixed_table_alloc(16);
     for (size_t i = 0; i < FLAT + 4; i++) {
         pm__spec spec;
@@ -295,7 +295,8 @@ START_TEST(test_mass_anywhere)
         const pm__probe probe = {.position = {3 * u[4] - 1.5, 3 * u[5] - 1.5, 0}, .normal = {0, 0, 1}};
         for (double r = 0.1; r < 3.0; r *= 1.7) {
             const double want = two * pm__shell_area(&rectangle, &probe, 0.5 * r, r);
-            PM_CHECK_NEAR(pm__mass_rectangle(constant, &two, &rectangle, &probe, 0.5 * r, r), want, 1e-7 * want + 1e-9 * r * r);
+            PM_CHECK_NEAR(pm__mass_rectangle(constant, &two, &rectangle, &probe, 0.5 * r, r), want,
+                          1e-7 * want + 1e-9 * r * r);
         }
     }
 }
@@ -395,7 +396,8 @@ START_TEST(test_rect_light_precise)
     for (int i = 0; i < 3; i++) {
         pm__spec spec;
         const pm__case *const c = parse(texts[i], &spec);
-        const double a = 0.5 * pm__test_value(c, spec.values, "width"), b = 0.5 * pm__test_value(c, spec.values, "depth");
+        const double a = 0.5 * pm__test_value(c, spec.values, "width"),
+                     b = 0.5 * pm__test_value(c, spec.values, "depth");
         const double h = pm__test_value(c, spec.values, "height");
         for (uint64_t j = 0; j < 200; j++) {
             double u[2];
@@ -437,8 +439,8 @@ START_TEST(test_sinusoid_precise)
 }
 END_TEST
 
-/* A segment of the unit disc beyond d = 1 - w: acos d - d sqrt(1 - d^2), by the rectangle that cuts it off. The absolute
- * error stays at that of the whole disc. */
+/* A segment of the unit disc beyond d = 1 - w: acos d - d sqrt(1 - d^2), by the rectangle that cuts it off. The
+ * absolute error stays at that of the whole disc. */
 START_TEST(test_segment_precise)
 {
     for (double w = 1e-8; w < 2.0; w *= 1.7) {
@@ -457,5 +459,5 @@ START_TEST(test_segment_precise)
 }
 END_TEST
 
-PM_TEST_MAIN("cases against quadrature", test_inverse, test_inverse_disc, test_inverse_ball, test_power,
-             test_mass_flat, test_mass_anywhere, test_mass_sphere, test_rect_light_precise, test_sinusoid_precise, test_segment_precise)
+PM_TEST_MAIN("cases against quadrature", test_inverse, test_inverse_disc, test_inverse_ball, test_power, test_mass_flat,
+             test_mass_anywhere, test_mass_sphere, test_rect_light_precise, test_sinusoid_precise, test_segment_precise)

@@ -1,5 +1,5 @@
-/* Every search against an independent brute force in the caller's own coordinates: the same photons to the last tie, in a
- * map created for the search and in one of another order to which its structure was added. */
+/* Every search against an independent brute force in the caller's own coordinates: the same photons to the last tie, in
+ * a map created for the search and in one of another order to which its structure was added. */
 #include "../../src/base/memory.h"
 #include "../../src/base/random.h"
 #include "../../src/search/search.h"
@@ -170,8 +170,8 @@ static void check_one(const pm_map *map, const fleet *f, const pm_query *q, cons
     pm_neighbor *const found = pm__alloc(pm_map_count(map), sizeof *found);
     size_t got = 0;
     const pm_status status = pm_map_search(map, q, found, pm_map_count(map), &got);
-    ck_assert_msg(status == PM_OK && got == want, "%s: %zu, not %zu photons; of %zu, k %zu, shape %d, radius %g", name, got, want,
-                  pm_map_count(map), q->k, (int)q->shape, (double)q->max_radius);
+    ck_assert_msg(status == PM_OK && got == want, "%s: %zu, not %zu photons; of %zu, k %zu, shape %d, radius %g", name,
+                  got, want, pm_map_count(map), q->k, (int)q->shape, (double)q->max_radius);
     for (size_t i = 0; i < got; i++)
         ck_assert_msg(!memcmp(&found[i].distance2, &expected[i].distance2, sizeof found[i].distance2) &&
                           pm_map_source(map, found[i].number) == pm_map_source(f->prepared, expected[i].number),
@@ -258,7 +258,8 @@ END_TEST
 START_TEST(fixed_radii_find_all_and_say_how_many)
 {
     enum { COUNT = 2000 };
-    static const float radii[] = {0.0f, 1e-30f, 3e-7f, 1e-4f, 0.01f, 0.07f, 0.125f, 0.25f, 0.3f, 1.0f, 7.0f, 1e5f, 3e38f};
+    static const float radii[] = {0.0f,  1e-30f, 3e-7f, 1e-4f, 0.01f, 0.07f, 0.125f,
+                                  0.25f, 0.3f,   1.0f,  7.0f,  1e5f,  3e38f};
     pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
     hit *const hits = pm__alloc(COUNT, sizeof *hits);
     for (int cloud = 0; cloud < CLOUDS; cloud++) {
@@ -405,6 +406,5 @@ START_TEST(automatic_radii_have_the_papers_constants)
 END_TEST
 
 PM_TEST_MAIN("search", searches_agree_with_the_definition_and_with_each_other, ties_go_to_the_lower_index,
-             fixed_radii_find_all_and_say_how_many, too_small_a_buffer_is_told_the_number, small_maps_and_extreme_scales,
-             bad_queries_are_refused,
-             automatic_radii_have_the_papers_constants)
+             fixed_radii_find_all_and_say_how_many, too_small_a_buffer_is_told_the_number,
+             small_maps_and_extreme_scales, bad_queries_are_refused, automatic_radii_have_the_papers_constants)

@@ -1,5 +1,6 @@
 /* Photons and probes of every case as they are drawn: against the truth, the regions, and the theory of lookups.
- * False alarms: 1e-8 for each chi-square and 1e-10 for each of the counts (there are some 4000), so below 1e-6 in all. */
+ * False alarms: 1e-8 for each chi-square and 1e-10 for each of the counts (there are some 4000), so below 1e-6 in
+ * all. */
 #include "../case_charts.h"
 
 #include "../../src/base/random.h"
@@ -13,10 +14,22 @@ typedef struct photon {
     double position[3], direction[3];
 } photon;
 
-static const char *const texts[] = {
-    "square", "gradient", "gradient:slope=-1.9", "quadratic", "blob", "sinusoid", "sinusoid:cycles=2.5,contrast=1", "edge",
-    "edge:dark=0.3", "point-light", "rect-light", "rect-light:width=0.3,depth=3,height=0.5", "corner:irradiance=2,wall=1",
-    "wall:thickness=0.02", "sphere", "volume"};
+static const char *const texts[] = {"square",
+                                    "gradient",
+                                    "gradient:slope=-1.9",
+                                    "quadratic",
+                                    "blob",
+                                    "sinusoid",
+                                    "sinusoid:cycles=2.5,contrast=1",
+                                    "edge",
+                                    "edge:dark=0.3",
+                                    "point-light",
+                                    "rect-light",
+                                    "rect-light:width=0.3,depth=3,height=0.5",
+                                    "corner:irradiance=2,wall=1",
+                                    "wall:thickness=0.02",
+                                    "sphere",
+                                    "volume"};
 
 enum { TEXTS = sizeof texts / sizeof *texts };
 
@@ -41,7 +54,8 @@ static void check_counts(const char *what, const char *region, const double *cou
     int freedom = -1;
     for (int i = 0; i < bins; i++) {
         if (expected[i] < 10.0) {
-            ck_assert_msg(expected[i] > 0.0 || counts[i] <= 0.0, "%s %s: %g in a cell of none", what, region, counts[i]);
+            ck_assert_msg(expected[i] > 0.0 || counts[i] <= 0.0, "%s %s: %g in a cell of none", what, region,
+                          counts[i]);
             pooled += counts[i];
             pooled_expected += expected[i];
             continue;
@@ -138,8 +152,8 @@ enum { STEPS = 240 };
 static bool touches(const pm__case *c, const double *values, const char *region, int chart, int i, int j, double depth)
 {
     for (int corner = 0; corner < 4; corner++) {
-        const double st[3] = {(i + (corner & 1 ? 1.0 - 1e-6 : 1e-6)) / STEPS, (j + (corner & 2 ? 1.0 - 1e-6 : 1e-6)) / STEPS,
-                              depth};
+        const double st[3] = {(i + (corner & 1 ? 1.0 - 1e-6 : 1e-6)) / STEPS,
+                              (j + (corner & 2 ? 1.0 - 1e-6 : 1e-6)) / STEPS, depth};
         pm__probe probe;
         (void)pm__chart_point(c, values, chart, st, &probe);
         if (pm__in_region(c, values, region, &probe))
@@ -261,10 +275,11 @@ static void check_probe(const char *text, const pm__case *c, const double *value
         }
         for (int k = 0; k < 3; k++) {
             const double share = c->mass(values, probe, &shapes[s], radii[k], radii[k + 1]) / c->power(values);
-            ck_assert_msg(gsl_cdf_binomial_P(counts[k], fmin(share, 1.0), PHOTONS) > 0.5e-10 &&
-                              (counts[k] == 0 || gsl_cdf_binomial_Q(counts[k] - 1, fmin(share, 1.0), PHOTONS) > 0.5e-10),
-                          "%s at (%g, %g, %g), shape %zu, shell %d: %u photons, expected %g", text, probe->position[0],
-                          probe->position[1], probe->position[2], s, k, counts[k], share * PHOTONS);
+            ck_assert_msg(
+                gsl_cdf_binomial_P(counts[k], fmin(share, 1.0), PHOTONS) > 0.5e-10 &&
+                    (counts[k] == 0 || gsl_cdf_binomial_Q(counts[k] - 1, fmin(share, 1.0), PHOTONS) > 0.5e-10),
+                "%s at (%g, %g, %g), shape %zu, shell %d: %u photons, expected %g", text, probe->position[0],
+                probe->position[1], probe->position[2], s, k, counts[k], share * PHOTONS);
         }
     }
 }

@@ -1,8 +1,9 @@
 /* How often intervals hold what they should: counted, on planted errors and on the bench itself.
  *
- * A count is compared with the nominal 95 % by the exact binomial tail; a test may fail by chance with at most 1e-6 over
- * all of its comparisons. Jackknife intervals are only asymptotically exact, so they are allowed the shortfall that each
- * test states, which is far below what a wrong formula (a forgotten correlation between probes, say) would cost. */
+ * A count is compared with the nominal 95 % by the exact binomial tail; a test may fail by chance with at most 1e-6
+ * over all of its comparisons. Jackknife intervals are only asymptotically exact, so they are allowed the shortfall
+ * that each test states, which is far below what a wrong formula (a forgotten correlation between probes, say) would
+ * cost. */
 #include "bench.h"
 
 #include "../../src/base/memory.h"

@@ -1,7 +1,7 @@
 /* What theory predicts is what the bench measures, in every case, region, kernel and k.
  *
- * The bound on a standardized difference is Student's quantile for a false alarm in 1e-6 over the whole family of a test,
- * by Bonferroni; seeds are fixed. */
+ * The bound on a standardized difference is Student's quantile for a false alarm in 1e-6 over the whole family of a
+ * test, by Bonferroni; seeds are fixed. */
 #include "bench.h"
 
 static const char kernels[] = "disc,disc:last=none,disc:last=half,cone:k=1,cone:last=none,cone:k=2,gaussian,"

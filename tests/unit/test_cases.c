@@ -152,7 +152,8 @@ START_TEST(test_rect_light)
 }
 END_TEST
 
-/* Of pi L A, the rest falls beyond a large floor: the fraction within 1.5 h of the outline grows to 1 with the light. */
+/* Of pi L A, the rest falls beyond a large floor: the fraction within 1.5 h of the outline grows to 1 with the
+ * light. */
 START_TEST(test_rect_light_power)
 {
     pm__spec spec;
@@ -263,8 +264,8 @@ static void each_case(void (*check)(const pm__case *c, const double *values))
 
 START_TEST(test_catalogue)
 {
-    static const char *const names[] = {"square", "gradient", "quadratic",   "blob",   "sinusoid", "edge", "point-light",
-                                        "rect-light", "corner", "wall", "sphere", "volume"};
+    static const char *const names[] = {"square",      "gradient",   "quadratic", "blob", "sinusoid", "edge",
+                                        "point-light", "rect-light", "corner",    "wall", "sphere",   "volume"};
     ck_assert_uint_eq(pm__cases.count, 12);
     for (size_t i = 0; i < 12; i++) {
         const pm__case *const c = pm__test_case(i);
@@ -344,7 +345,8 @@ START_TEST(test_probes)
 }
 END_TEST
 
-/* Mass adds up over shells, grows, ends at the power of all, is less with a filter, and tends to E times the measure. */
+/* Mass adds up over shells, grows, ends at the power of all, is less with a filter, and tends to E times the
+ * measure. */
 static void check_mass(const pm__case *c, const double *values)
 {
     const double power = c->power(values);

@@ -92,7 +92,8 @@ static bool judge(size_t k, float radius, fault what)
     }
     pm__bench_index index = {.contender = {NULL, &peer}, .foreign = build(NULL, 0, 1)};
     planted = what;
-    ck_assert_int_eq(pm__reference_create(index.foreign, photons, COUNT, queries, COUNT, STRIDE, NULL, &reference), PM_OK);
+    ck_assert_int_eq(pm__reference_create(index.foreign, photons, COUNT, queries, COUNT, STRIDE, NULL, &reference),
+                     PM_OK);
     ck_assert_int_eq(pm__exactness_check(&reference, &index, 1, &exact, detail), PM_OK);
     ck_assert_int_eq(exact, *detail == '\0');
     pm__reference_destroy(&reference);

@@ -9,7 +9,8 @@
 
 enum { ORDERS = 8 };
 
-/* random; sorted; falling; all equal; alternately from both ends; sorted along x only; on walls; sorted with duplicates */
+/* random; sorted; falling; all equal; alternately from both ends; sorted along x only; on walls; sorted with
+ * duplicates */
 static pm_photon make_photon(int order, size_t i, size_t count)
 {
     double u[6], x[3];
@@ -50,7 +51,8 @@ static pm_map *growing(double extent)
 /* What `unbalanced` finds in the map as it is must be what brute force does. */
 static void check_against_brute(const pm_map *map, const pm_photon *near, size_t k)
 {
-    pm_neighbor *const found = pm__alloc(map->count, sizeof *found), *const expected = pm__alloc(map->count, sizeof *found);
+    pm_neighbor *const found = pm__alloc(map->count, sizeof *found), *const expected =
+                                                                         pm__alloc(map->count, sizeof *found);
     for (int kind = 0; kind < 4; kind++) {
         pm_query q;
         pm_query_init(&q);
@@ -124,8 +126,8 @@ START_TEST(growing_and_creating_agree)
 }
 END_TEST
 
-/* 4 log2 N + 8 links at most, for any order; a random one keeps the height of a random tree, mean 2.99 log2 N less a few
- * (Devroye 1986), so is more than 1.5 and less than 3 log2 N high. */
+/* 4 log2 N + 8 links at most, for any order; a random one keeps the height of a random tree, mean 2.99 log2 N less a
+ * few (Devroye 1986), so is more than 1.5 and less than 3 log2 N high. */
 START_TEST(no_order_grows_a_deep_tree)
 {
     enum { COUNT = 60000 };

@@ -78,8 +78,14 @@ static pm_status run(machine *m, const double *relative, size_t count, size_t ro
         works[i] = (work){m, 1e-6 * relative[i], (int)i};
         variants[i] = (pm__bench_variant){"work", do_work, &works[i]};
     }
-    const pm__bench_config config = {.clock = {machine_now, m}, .sample_seconds = 1e-3, .seconds = 0.0, .min_rounds = rounds,
-                                     .max_rounds = rounds, .seed = m->seed, .canceled = is_canceled, .context = m};
+    const pm__bench_config config = {.clock = {machine_now, m},
+                                     .sample_seconds = 1e-3,
+                                     .seconds = 0.0,
+                                     .min_rounds = rounds,
+                                     .max_rounds = rounds,
+                                     .seed = m->seed,
+                                     .canceled = is_canceled,
+                                     .context = m};
     return pm__bench_run(&config, variants, count, report, NULL);
 }
 
@@ -109,7 +115,8 @@ static void check_rate(const char *what, size_t machine_number, size_t count, si
 }
 
 /* Three variants of the same work. The order within a round is random, so under any disturbance the sign of a log-ratio
- * is a fair coin and the sign test exact: a pair of them alarms at its stated rate, no more and (without ties) no less. */
+ * is a fair coin and the sign test exact: a pair of them alarms at its stated rate, no more and (without ties) no
+ * less. */
 START_TEST(identical_work_is_not_distinguishable)
 {
     enum { RUNS = 1500, ROUNDS = 40 };
@@ -255,7 +262,8 @@ START_TEST(samples_are_long_and_fair)
     /* With time enough, all do the number of units that the fastest needs. */
     work works[] = {{&m, 1e-6, 0}, {&m, 5e-6, 1}};
     const pm__bench_variant variants[] = {{"a", do_work, &works[0]}, {"b", do_work, &works[1]}};
-    const pm__bench_config config = {.clock = {machine_now, &m}, .sample_seconds = 1e-3, .seconds = 10.0, .max_rounds = 20};
+    const pm__bench_config config = {
+        .clock = {machine_now, &m}, .sample_seconds = 1e-3, .seconds = 10.0, .max_rounds = 20};
     m.samples = 0;
     ck_assert_int_eq(pm__bench_run(&config, variants, 2, &report, NULL), PM_OK);
     for (size_t i = m.samples - 60; i < m.samples; i++)
@@ -436,7 +444,8 @@ static void spin_twice(void *context, size_t first, size_t units)
     spin(context, first, 2 * units);
 }
 
-/* The real clock, and counters where there are any: twice the work takes about twice as long and as many instructions. */
+/* The real clock, and counters where there are any: twice the work takes about twice as long and as many
+ * instructions. */
 START_TEST(real_clock)
 {
     uint64_t sum = 0;
@@ -459,6 +468,6 @@ START_TEST(real_clock)
 END_TEST
 
 PM_TEST_MAIN("harness", identical_work_is_not_distinguishable, a_planted_slow_down_is_found, intervals_cover,
-             ranks_are_those_of_the_binomial, few_rounds_say_nothing, samples_are_long_and_fair, coarse_and_stopped_clocks,
-             order_is_random_and_follows_the_seed, cancellation_keeps_complete_rounds, budget_is_kept,
-             noise_outliers_and_warnings, bad_configurations, real_clock)
+             ranks_are_those_of_the_binomial, few_rounds_say_nothing, samples_are_long_and_fair,
+             coarse_and_stopped_clocks, order_is_random_and_follows_the_seed, cancellation_keeps_complete_rounds,
+             budget_is_kept, noise_outliers_and_warnings, bad_configurations, real_clock)

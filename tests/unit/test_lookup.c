@@ -9,10 +9,23 @@
 
 enum { COUNT = 1000, MAX_MAPS = 64 };
 
-static const char *const names[] = {"disc", "disc:last=none", "cone", "cone:k=0.5", "gaussian", "gaussian:form=pavicic",
-                                    "gaussian:form=normalised", "epanechnikov", "biweight", "differential",
-                                    "differential:rule=significance", "hull", "hull:boundary=0,outside=zero", "combined",
-                                    "combined:rule=mean", "combined:maps=64", "precomputed",
+static const char *const names[] = {"disc",
+                                    "disc:last=none",
+                                    "cone",
+                                    "cone:k=0.5",
+                                    "gaussian",
+                                    "gaussian:form=pavicic",
+                                    "gaussian:form=normalised",
+                                    "epanechnikov",
+                                    "biweight",
+                                    "differential",
+                                    "differential:rule=significance",
+                                    "hull",
+                                    "hull:boundary=0,outside=zero",
+                                    "combined",
+                                    "combined:rule=mean",
+                                    "combined:maps=64",
+                                    "precomputed",
                                     "precomputed:when=demand,form=unbiased"};
 enum { NAMES = sizeof names / sizeof *names };
 
@@ -101,7 +114,8 @@ START_TEST(scales_exactly)
                     const double radius = cut ? 0.0625 : INFINITY;
                     pm_estimation near, far;
                     const pm_status status = estimate(names[n], photons, COUNT, at, 200, radius, dimensions, &near);
-                    ck_assert_int_eq(estimate(names[n], moved, COUNT, there, 200, radius * f, dimensions, &far), status);
+                    ck_assert_int_eq(estimate(names[n], moved, COUNT, there, 200, radius * f, dimensions, &far),
+                                     status);
                     ck_assert_uint_eq(near.count, far.count);
                     PM_CHECK_NEAR(far.radius, near.radius * f, 0.0);
                     for (int c = 0; c < 3; c++)
@@ -137,6 +151,59 @@ START_TEST(hopeless_clouds)
                 ck_assert(result.radius >= 0.0);
             }
     }
+}
+END_TEST
+
+/* Powers below 0 are powers: with all signs turned the estimate's turns, and with some it is a number. */
+START_TEST(negative_powers)
+{
+    const float at[3] = {0.5f, 0.5f, 0.0f};
+    draw();
+    for (size_t n = 0; n < NAMES; n++) {
+        pm_estimation bright, dark, mixed;
+        for (int sign = 0; sign < 2; sign++) { /* some, then all */
+            for (size_t i = 0; i < COUNT; i++)
+                for (int c = 0; c < 3; c++)
+                    moved[i].power[c] = photons[i].power[c] * (sign || i % 2 ? -1.0f : 1.0f);
+            ck_assert_int_eq(estimate(names[n], moved, COUNT, at, 200, INFINITY, 2, sign ? &dark : &mixed), PM_OK);
+        }
+        ck_assert_int_eq(estimate(names[n], photons, COUNT, at, 200, INFINITY, 2, &bright), PM_OK);
+        ck_assert_msg(bright.value[0] > 0.0, "%s", names[n]);
+        for (int c = 0; c < 3; c++) {
+            ck_assert_msg(dark.value[c] == -bright.value[c], "%s: %g, %g", names[n], dark.value[c], bright.value[c]);
+            ck_assert_msg(fabs(mixed.value[c]) < bright.value[c], "%s: %g", names[n], mixed.value[c]);
+        }
+    }
+    pm_map *map = NULL;
+    ck_assert_int_eq(pm_map_create(moved, COUNT, NULL, &map, NULL), PM_OK);
+    ck_assert(pm_map_max_power(map) == 0.0);
+    pm_map_destroy(map);
+}
+END_TEST
+
+START_TEST(no_handles)
+{
+    pm_query query;
+    pm_estimation result;
+    pm_error error;
+    size_t count;
+    pm_query_init(&query);
+    ck_assert_int_eq(pm_map_check(NULL, &error), PM_EINVAL);
+    ck_assert_int_eq(pm_map_prepare(NULL, pm_search_find("brute"), NULL, &error), PM_EINVAL);
+    ck_assert_int_eq(pm_map_search(NULL, &query, NULL, 0, &count), PM_EINVAL);
+    ck_assert_int_eq(pm_map_search_batch(NULL, &query, 1, NULL, 0, &count), PM_EINVAL);
+    ck_assert_int_eq(pm_map_search_each(NULL, &query, NULL, NULL), PM_EINVAL);
+    ck_assert_int_eq(pm_map_create(photons, COUNT, NULL, NULL, &error), PM_EINVAL);
+    ck_assert_int_eq(pm_estimator_create(NULL, NULL, &error), PM_EINVAL);
+    ck_assert_int_eq(pm_workspace_create(1, NULL), PM_EINVAL);
+    ck_assert_int_eq(pm_estimate(NULL, NULL, &query, NULL, &result), PM_EINVAL);
+    ck_assert_int_eq(pm_precomputed_create(NULL, NULL, NULL, NULL, &error), PM_EINVAL);
+    ck_assert_ptr_null(pm_search_find(NULL));
+    pm_map_destroy(NULL);
+    pm_estimator_destroy(NULL);
+    pm_workspace_destroy(NULL);
+    pm_precomputed_destroy(NULL);
+    pm_free(NULL);
 }
 END_TEST
 
@@ -280,4 +347,5 @@ START_TEST(threads_share_a_map)
 }
 END_TEST
 
-PM_TEST_MAIN("lookup", scales_exactly, hopeless_clouds, empty_maps_among_others, absurd_requests, threads_share_a_map)
+PM_TEST_MAIN("lookup", scales_exactly, hopeless_clouds, negative_powers, no_handles, empty_maps_among_others,
+             absurd_requests, threads_share_a_map)

@@ -2,7 +2,9 @@
 #include "../../src/base/memory.h"
 #include "../../src/base/random.h"
 #include "../../src/cli/parallel.h"
+#include "../../src/map/structure.h"
 #include "../../src/map/wide.h"
+#include "../../src/search/search.h"
 #include "../test.h"
 
 #include <string.h>
@@ -61,6 +63,30 @@ START_TEST(invariants_hold_for_every_small_count)
                 pm_map_destroy(map);
                 free(photons);
             }
+}
+END_TEST
+
+/* What is asked for before a map is built is what it then takes: beside pm_map_bytes, direction and power. */
+START_TEST(memory_is_foretold)
+{
+    enum { COUNT = 5000, DIRECTION_AND_POWER = 24, POSITION = 12 };
+    pm_photon *const photons = random_photons(COUNT, 1, 0);
+    for (size_t s = 0; s < pm__searches.count; s++) {
+        const pm_search *const search = pm_search_find(pm__searches.entries[s]->name);
+        const pm_map_options options = {.search = search};
+        pm_map *map = NULL;
+        pm_error error;
+        PM_CHECK_OK(pm_map_create(photons, COUNT, &options, &map, &error), error);
+        /* A tree has positions of its own, beside the blocks. */
+        const bool twice = search->structure == PM__KD_TREE || search->structure == PM__GROWN;
+        const double held = (double)pm_map_bytes(map) / COUNT + DIRECTION_AND_POWER + (twice ? POSITION : 0);
+        const double foretold = pm__bytes_when_built(search->structure);
+        ck_assert_msg(held <= foretold + 0.5 && held > foretold - 5.0, "%s: %g bytes, not %g", search->entry.name, held,
+                      foretold);
+        ck_assert(pm__bytes_to_build(search->structure) >= foretold + PM__ITEM_BYTES);
+        pm_map_destroy(map);
+    }
+    free(photons);
 }
 END_TEST
 
@@ -236,5 +262,5 @@ END_TEST
 
 PM_TEST_MAIN("map", left_sizes_fill_the_last_level_from_the_left, invariants_hold_for_every_small_count,
              the_checker_sees_broken_trees, threads_do_not_change_the_map, hard_orders_stay_fast_and_right,
-             structures_stay_within_their_memory,
+             structures_stay_within_their_memory, memory_is_foretold,
              positions_come_back_to_the_bit, non_finite_photons_are_refused_by_index)

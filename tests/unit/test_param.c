@@ -238,5 +238,20 @@ START_TEST(nearest_names)
 }
 END_TEST
 
+START_TEST(decimals_of_floats)
+{
+    static const double decimals[] = {0.04, 0.1, 0.0625, 1e-30, 123456.7, 3.4028235e38, 1e-45, 16777216.0};
+    for (size_t i = 0; i < sizeof decimals / sizeof *decimals; i++)
+        ck_assert(pm__decimal_of_float((float)decimals[i]) == decimals[i]);
+    ck_assert(pm__decimal_of_float(0.0f) == 0.0);
+    ck_assert(isinf(pm__decimal_of_float(INFINITY)));
+    for (uint32_t bits = 1; bits < 0x7f800000U; bits += 99991) { /* every scale */
+        float value;
+        memcpy(&value, &bits, sizeof value);
+        ck_assert((float)pm__decimal_of_float(value) == value);
+    }
+}
+END_TEST
+
 PM_TEST_MAIN("param", one_spec, bad_specs, lists, bad_lists, lists_are_appended, truncated_output, numbers_in,
-             numbers_out, numbers_read_back, nearest_names)
+             numbers_out, numbers_read_back, decimals_of_floats, nearest_names)

@@ -1,5 +1,5 @@
 /* PLY files: every form that is read, and what is written. */
-#include "../../src/photonmap.h"
+#include "../../src/map/ply_reader.h"
 
 #include "../ply.h"
 
@@ -221,22 +221,27 @@ START_TEST(unreadable)
 }
 END_TEST
 
-/* Of unknown size, so the arrays grow as the data come; and of more photons than one buffer holds. */
-START_TEST(through_a_pipe)
+/* A pipe that another process writes `count` photons to. */
+static void make_pipe(char fifo[PM__TEST_PATH], int count)
 {
-    enum { N = 20000 };
     (void)save("", 0);
-    char fifo[PM__TEST_PATH];
     ck_assert_int_eq(mkfifo(pm__test_path(&directory, "fifo.ply", fifo), 0600), 0);
-    const pid_t child = fork();
-    if (child == 0) {
+    if (fork() == 0) {
         FILE *const file = fopen(fifo, "wb");
-        (void)fprintf(file, ASCII "element vertex %d\n" ALL NORMAL "end_header\n", N);
-        for (int i = 0; i < N; i++)
+        (void)fprintf(file, ASCII "element vertex %d\n" ALL NORMAL "end_header\n", count);
+        for (int i = 0; i < count; i++)
             (void)fprintf(file, "%d 0 0 0 0 1 1 1 1 0 0 %d\n", i, i + 1);
         (void)fclose(file);
         _exit(0);
     }
+}
+
+/* Of unknown size, so the arrays grow as the data come; and of more photons than one buffer holds. */
+START_TEST(through_a_pipe)
+{
+    enum { N = 20000 };
+    char fifo[PM__TEST_PATH];
+    make_pipe(fifo, N);
     pm_photon *photons;
     float(*n)[3];
     size_t count;
@@ -249,6 +254,39 @@ START_TEST(through_a_pipe)
     }
     pm_free(photons);
     pm_free(n);
+    cleanup();
+}
+END_TEST
+
+/* A vertex is 36 + 12 bytes read, and 52 that the caller will want: 2000 fit into 200,000 bytes. */
+START_TEST(within_a_budget)
+{
+    static const int counts[] = {2000, 2001};
+    const pm__ply_budget budget = {.memory = 200000.0, .per_vertex = 52.0};
+    for (int i = 0; i < 2; i++) {
+        static char text[100000];
+        pm_photon *photons;
+        float(*n)[3];
+        size_t count, used = (size_t)snprintf(text, sizeof text, ASCII "element vertex %d\n" ALL NORMAL "end_header\n",
+                                              counts[i]);
+        for (int v = 0; v < counts[i]; v++)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%d 0 0 0 0 1 1 1 1 0 0 1\n", v);
+        pm_error error = {""};
+        const pm_status status = pm__ply_read_photons(save(text, used), &budget, &photons, &n, &count, &error);
+        ck_assert_int_eq(status, i ? PM_ENOMEM : PM_OK);
+        ck_assert((strstr(error.text, "2001 of 2001 vertices take") != NULL) == (i == 1));
+        ck_assert((photons != NULL) == (i == 0));
+        pm_free(photons);
+        pm_free(n);
+    }
+    /* A pipe's count is a claim: what matters is what comes. */
+    char fifo[PM__TEST_PATH];
+    make_pipe(fifo, 20000);
+    pm_photon *photons;
+    size_t count;
+    pm_error error = {""};
+    ck_assert_int_eq(pm__ply_read_photons(fifo, &budget, &photons, NULL, &count, &error), PM_ENOMEM);
+    ck_assert_ptr_null(photons);
     cleanup();
 }
 END_TEST
@@ -311,4 +349,4 @@ START_TEST(written_form)
 END_TEST
 
 PM_TEST_MAIN("ply", ascii_forms, binary_forms, binary_types, binary_skipping, normals, points, no_vertices, directions,
-             unreadable, through_a_pipe, round_trip, written_form)
+             unreadable, through_a_pipe, within_a_budget, round_trip, written_form)

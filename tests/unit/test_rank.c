@@ -99,8 +99,8 @@ START_TEST(shift_is_the_median_of_all_differences)
 }
 END_TEST
 
-/* Of 3000 pairs of samples from one law, 5 % or hardly more are told apart; with a shift the interval holds it as often;
- * small sizes use the exact law, large ones the approximation. Bounds: 5.5 sigma. */
+/* Of 3000 pairs of samples from one law, 5 % or hardly more are told apart; with a shift the interval holds it as
+ * often; small sizes use the exact law, large ones the approximation. Bounds: 5.5 sigma. */
 START_TEST(rates_are_as_stated)
 {
     enum { RUNS = 3000, MOST = 70 };

@@ -1,4 +1,5 @@
-/* Quantiles against GSL, error moments and their jackknife against plain transcriptions, medians against enumeration. */
+/* Quantiles against GSL, error moments and their jackknife against plain transcriptions, medians against
+ * enumeration. */
 #include "../../src/stats/stats.h"
 
 #include "../../src/base/gauss.h"
@@ -89,7 +90,8 @@ static void check_rms_bias(const float *error, double u, double se2, double q, c
         for (size_t j = i + 1; j < TRIALS; j++) {
             double product = 0.0;
             for (size_t p = 0; p < PROBES; p++)
-                product += ((double)error[i * STRIDE + p] - mean[p]) * ((double)error[j * STRIDE + p] - mean[p]) / PROBES;
+                product +=
+                    ((double)error[i * STRIDE + p] - mean[p]) * ((double)error[j * STRIDE + p] - mean[p]) / PROBES;
             sum += product;
             products[pairs++] = product;
         }
@@ -175,7 +177,8 @@ START_TEST(median_intervals_cover_with_95_percent)
             PM_CHECK_NEAR(interval.high, (double)(n - 1), 0.0);
             continue;
         }
-        /* [x_r, x_(n+1-r)] fails with probability 2 P(Binomial(n, 1/2) < r): at most 5 %, and r + 1 would be too many. */
+        /* [x_r, x_(n+1-r)] fails with probability 2 P(Binomial(n, 1/2) < r): at most 5 %, and r + 1 would be too
+         * many. */
         const unsigned r = (unsigned)interval.low + 1;
         ck_assert(2.0 * gsl_cdf_binomial_P(r - 1, 0.5, (unsigned)n) <= 0.05);
         ck_assert(2.0 * gsl_cdf_binomial_P(r, 0.5, (unsigned)n) > 0.05);

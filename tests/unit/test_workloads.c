@@ -112,7 +112,8 @@ START_TEST(test_cosine_emission_has_the_form_factor_of_a_disc)
 }
 END_TEST
 
-/* The nephroid's curve has (x^2 + y^2 - 4a^2)^3 = 108 a^4 y^2. Few are beyond 6 standard deviations of the blur; a fifth is uniform. */
+/* The nephroid's curve has (x^2 + y^2 - 4a^2)^3 = 108 a^4 y^2. Few are beyond 6 standard deviations of the blur; a
+ * fifth is uniform. */
 START_TEST(test_caustic_follows_the_nephroid)
 {
     size_t far = 0;
@@ -122,7 +123,8 @@ START_TEST(test_caustic_follows_the_nephroid)
         double nearest = INFINITY;
         for (int j = 0; j < 600; j++) {
             const double t = j * (6.283185307179586 / 600.0);
-            nearest = fmin(nearest, hypot(x - 0.25 * (3.0 * cos(t) - cos(3.0 * t)), y - 0.25 * (3.0 * sin(t) - sin(3.0 * t))));
+            nearest = fmin(nearest,
+                           hypot(x - 0.25 * (3.0 * cos(t) - cos(3.0 * t)), y - 0.25 * (3.0 * sin(t) - sin(3.0 * t))));
         }
         far += nearest > 0.07;
     }
