@@ -44,18 +44,21 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32((__mmask16)mask,
                                                          _mm512_add_epi32(_mm512_set1_epi32((int)base), lanes)));
 }
-/* Pairs of a and base + lane number of the lanes of the mask; nothing is written beyond them. */
+/* Pairs of a and base + lane number of the lanes of the mask; nothing is written beyond `room` pairs. */
 static inline void v_pairs(void *to, size_t room, vf a, uint32_t base, unsigned mask)
 {
     const __m512i lanes = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
     const __m512i first = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0);
     const __m512i second = _mm512_add_epi32(first, _mm512_set1_epi32(8));
+    const __m512i numbers = _mm512_add_epi32(_mm512_set1_epi32((int)base), lanes);
     const __m512i value = _mm512_castps_si512(_mm512_maskz_compress_ps((__mmask16)mask, a));
-    const __m512i number = _mm512_maskz_compress_epi32((__mmask16)mask, _mm512_add_epi32(_mm512_set1_epi32((int)base), lanes));
+    const __m512i number = _mm512_maskz_compress_epi32((__mmask16)mask, numbers);
+    const __m512i low = _mm512_permutex2var_epi32(value, first, number);
+    const __m512i high = _mm512_permutex2var_epi32(value, second, number);
     const unsigned written = _pext_u32(mask, mask);
-    (void)room;
-    _mm512_mask_storeu_epi64(to, (__mmask8)written, _mm512_permutex2var_epi32(value, first, number));
-    _mm512_mask_storeu_epi64((char *)to + 64, (__mmask8)(written >> 8), _mm512_permutex2var_epi32(value, second, number));
+    (void)room; /* masks cost less than a branch that is often mistaken */
+    _mm512_mask_storeu_epi64(to, (__mmask8)written, low);
+    _mm512_mask_storeu_epi64((char *)to + 64, (__mmask8)(written >> 8), high);
 }
 
 #elif PM__SIMD_WIDTH == 8
@@ -276,7 +279,7 @@ static inline void v_pairs(void *to, size_t room, vf a, uint32_t base, unsigned 
 
 static inline unsigned v_bits(unsigned mask)
 {
-    return (unsigned)__builtin_popcount(mask);
+    return (unsigned)__builtin_popcountll(mask);
 }
 
 #endif

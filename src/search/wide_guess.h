@@ -57,10 +57,11 @@ static inline scale scale_of(size_t k)
  * numbers of the hints the power is the local one; below them it is of the nearest of these kinds. */
 static inline float hinted_radius2(const pm__hint *hint, const scale *k)
 {
-    float power = (hint->log_far - hint->log_near) * (1.0f / 3.0f); /* 3 doublings apart */
+    const float near = (float)hint->log_near * (1.0f / PM__HINT_STEPS);
+    float power = (float)(hint->log_far - hint->log_near) * (1.0f / (3.0f * PM__HINT_STEPS)); /* 3 doublings apart */
     if (k->doublings < 0.0f)
         power = power > 1.4f ? 2.0f : power > 0.8f ? 1.0f : 0.667f;
-    return rough_exp2(hint->log_near + power * k->doublings);
+    return rough_exp2(near + power * k->doublings);
 }
 
 /* ---- a descent, where there is no hint -------------------------------------------------------- */

@@ -107,8 +107,10 @@ static void hint_task(void *argument, size_t chunk)
         pm__hint *const hint = &h->hints->cells[c];
         if (hint->block < 0)
             continue;
-        hint->log_far = log_radius2(h->map, (size_t)hint->block, PM__HINT_FAR);
-        hint->log_near = fmaxf(log_radius2(h->map, (size_t)hint->block, PM__HINT_NEAR), hint->log_far - 20.0f);
+        const float far = log_radius2(h->map, (size_t)hint->block, PM__HINT_FAR);
+        const float near = fmaxf(log_radius2(h->map, (size_t)hint->block, PM__HINT_NEAR), far - 20.0f);
+        hint->log_far = (int16_t)lrintf(far * PM__HINT_STEPS);
+        hint->log_near = (int16_t)lrintf(near * PM__HINT_STEPS);
     }
 }
 

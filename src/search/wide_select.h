@@ -6,7 +6,7 @@
 
 enum {
     CAPACITY = 4096, /* candidates */
-    WINDOW = 32      /* so few are told apart by comparing each with every other */
+    WINDOW = 48      /* so few are told apart by comparing each with every other */
 };
 
 /* Kept is what lies below distance2, and of what lies at it `ties`: those with the lowest ids; ALL_TIES: all. */
