@@ -181,8 +181,9 @@ static pm_status arrange(pm__item *items, size_t count, const pm_map_options *op
     return room ? PM_OK : PM_ENOMEM;
 }
 
-static pm_status place(const pm_map *map, void *index, const uint32_t *numbers)
+static pm_status place(const pm_map *map, void *index, const uint32_t *numbers, const pm_parallel *parallel)
 {
+    (void)parallel;
     pm__grid *const grid = index;
     grid->blocks = map->blocks;
     if (!numbers)

@@ -210,8 +210,9 @@ static uint32_t renumber(uint32_t child, const uint32_t *numbers)
 
 /* In a map of another order the nodes are moved to where their photons' numbers say: no table is needed, and neighbours
  * in that order share cache lines. */
-static pm_status place(const pm_map *map, void *index, const uint32_t *numbers)
+static pm_status place(const pm_map *map, void *index, const uint32_t *numbers, const pm_parallel *parallel)
 {
+    (void)parallel;
     pm__grown *const tree = index;
     if (!numbers)
         return PM_OK;

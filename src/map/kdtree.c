@@ -147,8 +147,9 @@ static pm_status arrange(pm__item *items, size_t count, const pm_map_options *op
     return PM_OK;
 }
 
-static pm_status place(const pm_map *map, void *index, const uint32_t *numbers)
+static pm_status place(const pm_map *map, void *index, const uint32_t *numbers, const pm_parallel *parallel)
 {
+    (void)parallel;
     pm__node *const nodes = index;
     for (size_t i = 0; i < map->count; i++)
         nodes[i + 1].number_axis = (numbers ? numbers[i] : (uint32_t)i) << 2 | pm__node_axis(&nodes[i + 1]);

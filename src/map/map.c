@@ -39,29 +39,19 @@ double pm__bytes_to_build(pm__structure_id id)
     return pm__bytes_when_built(id) + PM__ITEM_BYTES + (structure ? structure->building : 0.0);
 }
 
-/* All exponents are ones in no value but NaN and infinity: a loop without branches for the many maps that are sound. */
-static bool all_finite(const pm_photon *photons, size_t count)
-{
-    enum { VALUES = sizeof(pm_photon) / sizeof(float) };
-    unsigned bad = 0;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t bits[VALUES];
-        memcpy(bits, &photons[i], sizeof bits);
-        for (int v = 0; v < VALUES; v++)
-            bad |= (bits[v] & 0x7f800000U) == 0x7f800000U;
-    }
-    return !bad;
-}
-
 static pm_status check_photons(const pm_photon *photons, size_t count, pm_error *error)
 {
-    static const char *const parts[] = {"position", "direction", "power"};
     if (count > PM_MAX_PHOTONS)
         return pm__fail(error, PM_EINVAL, "%zu photons: a map holds at most %zu", count, PM_MAX_PHOTONS);
     if (count && !photons)
         return pm__fail(error, PM_EINVAL, "no photons given");
-    if (all_finite(photons, count))
-        return PM_OK;
+    return PM_OK;
+}
+
+/* Names the first value that is not finite. */
+static pm_status find_infinite(const pm_photon *photons, size_t count, pm_error *error)
+{
+    static const char *const parts[] = {"position", "direction", "power"};
     for (size_t i = 0; i < count; i++) {
         const float *const values[] = {photons[i].position, photons[i].direction, photons[i].power};
         for (int part = 0; part < 3; part++)
@@ -82,19 +72,14 @@ static double exact_centre(double low, double high)
     return low * high > 0.0 && far <= 2.0 * near ? centre : 0.0;
 }
 
-static void choose_frame(pm_map *map, const pm_photon *photons)
+static void choose_frame(pm_map *map, const float low[3], const float high[3])
 {
     double largest = 0.0;
     for (int a = 0; a < 3; a++) {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < map->count; i++) {
-            const double x = (double)photons[i].position[a];
-            low = x < low ? x : low;
-            high = x > high ? x : high;
-        }
-        map->centre[a] = map->count ? exact_centre(low, high) : 0.0;
+        const double from = (double)low[a], to = (double)high[a];
+        map->centre[a] = map->count ? exact_centre(from, to) : 0.0;
         if (map->count)
-            largest = fmax(largest, fmax(fabs(low - map->centre[a]), fabs(high - map->centre[a])));
+            largest = fmax(largest, fmax(fabs(from - map->centre[a]), fabs(to - map->centre[a])));
     }
     int exponent = 0;
     (void)frexp(largest, &exponent);
@@ -104,17 +89,64 @@ static void choose_frame(pm_map *map, const pm_photon *photons)
 
 enum { AHEAD = 24, CHUNK = 1 << 15 };
 
+typedef struct survey {
+    float low[3], high[3];
+    bool finite;
+} survey;
+
 /* Loops over all photons, cut into chunks for the caller's threads. */
 typedef struct filling {
     pm_map *map;
     const pm_photon *photons;
     pm__item *items;
     double max_power[PM_MAX_PHOTONS / CHUNK + 1];
+    survey surveys[PM_MAX_PHOTONS / CHUNK + 1];
 } filling;
 
 static size_t chunk_end(const pm_map *map, size_t chunk)
 {
     return (chunk + 1) * CHUNK < map->count ? (chunk + 1) * CHUNK : map->count;
+}
+
+/* One pass without branches. A value times 0 is 0, but for NaN and infinity, which stay in the sum. */
+static void survey_task(void *argument, size_t chunk)
+{
+    filling *const f = argument;
+    survey s = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, true};
+    float zero[9] = {0.0f};
+    for (size_t i = chunk * CHUNK; i < chunk_end(f->map, chunk); i++) {
+        const pm_photon *const p = &f->photons[i];
+        for (int a = 0; a < 3; a++) {
+            const float x = p->position[a];
+            s.low[a] = x < s.low[a] ? x : s.low[a];
+            s.high[a] = x > s.high[a] ? x : s.high[a];
+            zero[a] += x * 0.0f;
+            zero[3 + a] += p->direction[a] * 0.0f;
+            zero[6 + a] += p->power[a] * 0.0f;
+        }
+    }
+    for (int v = 0; v < 9; v++)
+        s.finite = s.finite && !isnan(zero[v]);
+    f->surveys[chunk] = s;
+}
+
+/* The extents of all photons; false where one of their values is not finite. */
+static bool survey_all(filling *f, const pm_parallel *parallel, float low[3], float high[3])
+{
+    const size_t chunks = (f->map->count + CHUNK - 1) / CHUNK;
+    bool finite = true;
+    pm__for(parallel, chunks, survey_task, f);
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+        for (size_t i = 0; i < chunks; i++) {
+            low[a] = fminf(low[a], f->surveys[i].low[a]);
+            high[a] = fmaxf(high[a], f->surveys[i].high[a]);
+        }
+    }
+    for (size_t i = 0; i < chunks; i++)
+        finite = finite && f->surveys[i].finite;
+    return finite;
 }
 
 static void items_task(void *argument, size_t chunk)
@@ -179,7 +211,10 @@ static pm_status allocate(pm_map *map)
 static pm_status arrange(filling *f, const pm__structure *primary, const pm_map_options *options)
 {
     pm_map *const map = f->map;
-    choose_frame(map, f->photons);
+    float low[3], high[3];
+    if (!survey_all(f, options->parallel, low, high))
+        return PM_ENONFINITE;
+    choose_frame(map, low, high);
     pm__for(options->parallel, (map->count + CHUNK - 1) / CHUNK, items_task, f);
     pm_status status = PM_OK;
     if (primary)
@@ -187,7 +222,8 @@ static pm_status arrange(filling *f, const pm__structure *primary, const pm_map_
     if (status != PM_OK)
         return status;
     fill_photons(f, options->parallel);
-    return primary && primary->place ? primary->place(map, map->index[primary->id], NULL) : PM_OK;
+    return primary && primary->place ? primary->place(map, map->index[primary->id], NULL, options->parallel)
+                                     : PM_OK;
 }
 
 static pm_status build(pm_map *map, const pm_photon *photons, const pm__structure *primary,
@@ -225,6 +261,8 @@ pm_status pm__map_build(const pm_photon *photons, size_t count, pm__structure_id
     status = build(created, photons, pm__structure_of(primary), options);
     if (status != PM_OK) {
         pm_map_destroy(created);
+        if (status == PM_ENONFINITE)
+            return find_infinite(photons, count, error);
         return pm__fail(error, status, "a map of %zu photons: %s", count, pm_status_text(status));
     }
     *map = created;
@@ -242,7 +280,7 @@ static pm_status place_later(pm_map *map, const pm__structure *structure, const 
             number_of_id[map->ids[i]] = (uint32_t)i;
         for (size_t i = 0; i < map->count; i++)
             numbers[i] = number_of_id[items[i].id];
-        status = structure->place ? structure->place(map, index, numbers) : PM_OK;
+        status = structure->place ? structure->place(map, index, numbers, NULL) : PM_OK;
     }
     free(number_of_id);
     free(numbers);

@@ -10,7 +10,7 @@ typedef struct pm__structure {
     pm_status (*arrange)(pm__item *items, size_t count, const pm_map_options *options, void **index);
     /* Tells the index the map's numbers of its items in arranged order; numbers NULL: they are 0, 1, 2, ... The map's
      * arrays are complete by then. NULL: nothing to tell; but see first_only. */
-    pm_status (*place)(const pm_map *map, void *index, const uint32_t *numbers);
+    pm_status (*place)(const pm_map *map, void *index, const uint32_t *numbers, const pm_parallel *parallel);
     void (*destroy)(void *index);
     size_t (*bytes)(const pm_map *map, const void *index); /* beside ids and photons */
     bool first_only; /* can only give a map its order, not be added later */

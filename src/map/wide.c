@@ -11,7 +11,7 @@
 #include <emmintrin.h>
 #endif
 
-enum { PARALLEL_STEPS = 7, PARALLEL_MINIMUM = 16384, FAN = 16 };
+enum { PARALLEL_STEPS = 7, PARALLEL_MINIMUM = 16384, FAN = 16, NODES = 64 };
 
 /* Photons to be split into children of FAN^height blocks each. */
 typedef struct range {
@@ -120,23 +120,42 @@ static void empty(pm__boxes *boxes, size_t lane)
     }
 }
 
-static void include(pm__boxes *boxes, size_t lane, int axis, float low, float high)
+typedef struct boxing {
+    pm__wide *wide;
+    const pm__item *items;
+    size_t count;
+} boxing;
+
+static void box_block(pm__boxes *boxes, size_t lane, const pm__item *items, size_t count)
 {
-    if (low < boxes->low[axis][lane])
-        boxes->low[axis][lane] = low;
-    if (high > boxes->high[axis][lane])
-        boxes->high[axis][lane] = high;
+    float low[3], high[3];
+    for (int a = 0; a < 3; a++)
+        low[a] = high[a] = items[0].position[a];
+    for (size_t i = 1; i < count; i++)
+        for (int a = 0; a < 3; a++) {
+            const float x = items[i].position[a];
+            low[a] = x < low[a] ? x : low[a];
+            high[a] = x > high[a] ? x : high[a];
+        }
+    for (int a = 0; a < 3; a++) {
+        boxes->low[a][lane] = low[a];
+        boxes->high[a][lane] = high[a];
+    }
 }
 
-static void fill_blocks_level(pm__wide *wide, const pm__item *items, size_t count)
+/* The boxes of NODES nodes of level 0, those of their blocks. */
+static void boxes_task(void *argument, size_t chunk)
 {
-    for (size_t block = 0; block < wide->nodes[0] * FAN; block++) {
-        pm__boxes *const boxes = &wide->level[0][block / FAN];
-        empty(boxes, block % FAN);
-        for (size_t i = block * PM__LANES; i < count && i < (block + 1) * PM__LANES; i++)
-            for (int a = 0; a < 3; a++)
-                include(boxes, block % FAN, a, items[i].position[a], items[i].position[a]);
-    }
+    const boxing *const b = argument;
+    for (size_t node = chunk * NODES; node < b->wide->nodes[0] && node < (chunk + 1) * NODES; node++)
+        for (size_t lane = 0; lane < FAN; lane++) {
+            const size_t first = (node * FAN + lane) * PM__LANES;
+            const size_t left = first < b->count ? b->count - first : 0;
+            if (left)
+                box_block(&b->wide->level[0][node], lane, b->items + first, left < PM__LANES ? left : PM__LANES);
+            else
+                empty(&b->wide->level[0][node], lane);
+        }
 }
 
 static void fill_level(pm__wide *wide, int level)
@@ -147,9 +166,11 @@ static void fill_level(pm__wide *wide, int level)
         if (child >= wide->nodes[level - 1])
             continue;
         const pm__boxes *const below = &wide->level[level - 1][child];
-        for (size_t lane = 0; lane < PM__LANES; lane++)
-            for (int a = 0; a < 3; a++)
-                include(boxes, child % FAN, a, below->low[a][lane], below->high[a][lane]);
+        for (int a = 0; a < 3; a++)
+            for (size_t lane = 0; lane < PM__LANES; lane++) {
+                boxes->low[a][child % FAN] = fminf(boxes->low[a][child % FAN], below->low[a][lane]);
+                boxes->high[a][child % FAN] = fmaxf(boxes->high[a][child % FAN], below->high[a][lane]);
+            }
     }
 }
 
@@ -180,30 +201,44 @@ static pm_status arrange(pm__item *items, size_t count, const pm_map_options *op
     if (!wide)
         return PM_ENOMEM;
     arrange_items(items, count, options->parallel, wide->levels);
-    fill_blocks_level(wide, items, count);
+    boxing b = {wide, items, count};
+    pm__for(options->parallel, (wide->nodes[0] + NODES - 1) / NODES, boxes_task, &b);
     for (int t = 1; t < wide->levels; t++)
         fill_level(wide, t);
     *index = wide;
     return PM_OK;
 }
 
+typedef struct facing_of {
+    const pm_map *map;
+    pm__facing *facing;
+} facing_of;
+
 /* Directions are needed at any length, so they are made unit here; one of length 0 stays 0, which is neither side. */
-static pm_status place(const pm_map *map, void *index, const uint32_t *numbers)
+static void facing_task(void *argument, size_t chunk)
+{
+    const facing_of *const f = argument;
+    const size_t photons = NODES * FAN * PM__LANES, end = (chunk + 1) * photons;
+    for (size_t i = chunk * photons; i < f->map->count && i < end; i++) {
+        const float *const w = f->map->direction[i];
+        const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+        double d[3] = {(double)w[0], (double)w[1], (double)w[2]};
+        if (!(fabsf(square - 1.0f) < 1e-5f))
+            (void)pm__normalize(d);
+        for (int a = 0; a < 3; a++)
+            f->facing[i / PM__LANES].axis[a][i % PM__LANES] = (int8_t)(127.0 * d[a] + (d[a] < 0.0 ? -0.5 : 0.5));
+    }
+}
+
+static pm_status place(const pm_map *map, void *index, const uint32_t *numbers, const pm_parallel *parallel)
 {
     (void)numbers;
     pm__wide *const wide = index;
     wide->facing = pm__alloc_zero(map->block_count, sizeof *wide->facing);
     if (!wide->facing)
         return PM_ENOMEM;
-    for (size_t i = 0; i < map->count; i++) {
-        const float *const w = map->direction[i];
-        const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-        double d[3] = {(double)w[0], (double)w[1], (double)w[2]};
-        if (!(fabsf(square - 1.0f) < 1e-5f))
-            (void)pm__normalize(d);
-        for (int a = 0; a < 3; a++)
-            wide->facing[i / PM__LANES].axis[a][i % PM__LANES] = (int8_t)(127.0 * d[a] + (d[a] < 0.0 ? -0.5 : 0.5));
-    }
+    facing_of f = {map, wide->facing};
+    pm__for(parallel, (wide->nodes[0] + NODES - 1) / NODES, facing_task, &f);
     return PM_OK;
 }
 
@@ -224,7 +259,8 @@ static size_t bytes(const pm_map *map, const void *index)
     size_t nodes = 0;
     for (int t = 0; t < wide->levels; t++)
         nodes += wide->nodes[t];
-    return nodes * sizeof(pm__boxes) + wide->hints.count * sizeof(pm__hint) + map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
+    return nodes * sizeof(pm__boxes) + wide->hints.count * sizeof(pm__hint) +
+           map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
 }
 
 const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true, 5.0, 0.0};

@@ -93,9 +93,10 @@ static float log_radius2(const pm_map *map, size_t block, size_t k)
     pm__result result = {.list = list, .capacity = k, .bound = query.max_distance2, .ids = map->ids};
     middle_photon(map, block, query.position);
     map->search->find(map, &query, &result);
-    float farthest = 0.0f;
+    float most[4] = {0.0f}; /* four chains of comparisons, since one would take longer than the search */
     for (size_t i = 0; i < result.count; i++)
-        farthest = list[i].distance2 > farthest ? list[i].distance2 : farthest;
+        most[i % 4] = list[i].distance2 > most[i % 4] ? list[i].distance2 : most[i % 4];
+    const float farthest = fmaxf(fmaxf(most[0], most[1]), fmaxf(most[2], most[3]));
     return farthest > 0.0f ? fmaxf(log2f(farthest), -126.0f) : -126.0f;
 }
 
