@@ -138,9 +138,9 @@ typedef struct pm_map_options {
  * is rounded (but for coordinates below 2^-126 of the extent).
  * Negative powers are taken as they are: searches do not look at powers, estimates are sums weighted with them and may
  * be negative then (`differential` decides by the sums where to stop). pm_map_max_power passes over them.
- * Cost: O(N log N). Memory in bytes a photon: 40 for position, index, direction and power, and for the structure 5
- * (wide), 16 (recursive, iterative, stackfree), 20 (unbalanced), up to 4 (grid) or none (brute); while it is built 16
- * more (unbalanced 32, grid 36). The caller's array is not counted. */
+ * Cost: O(N log N). Memory in bytes a photon: 40 for position, index, direction and power, and for the structure 6
+ * (wide), 16 (recursive, iterative, stackfree), 20 (unbalanced), up to 4 (grid) or none (brute); while it is built
+ * more by 16 (unbalanced) or 20 (grid). The caller's array is not counted. */
 PM_API pm_status pm_map_create(const pm_photon *photons, size_t count, const pm_map_options *options,
                                pm_map **map, pm_error *error);
 PM_API void pm_map_destroy(pm_map *map); /* NULL is allowed */

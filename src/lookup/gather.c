@@ -24,7 +24,7 @@ static pm_status find_neighbors(const pm_map *map, const pm_query *query, const 
 static void apply_brdf(const pm_map *map, const pm_source *source, uint32_t number, float flux[3])
 {
     float value[3] = {0.0f, 0.0f, 0.0f};
-    source->brdf(source->brdf_context, map->direction[number], source->outgoing, value);
+    source->brdf(source->brdf_context, map->carried[number].direction, source->outgoing, value);
     for (int c = 0; c < 3; c++)
         flux[c] *= value[c];
 }
@@ -39,7 +39,7 @@ static void read_photons(const pm_map *map, const pm__query *prepared, const pm_
         float *const flux = workspace->flux[first + i];
         workspace->distance2[first + i] = neighbor.distance2 * (scale * scale);
         for (int c = 0; c < 3; c++)
-            flux[c] = map->power[neighbor.number][c];
+            flux[c] = map->carried[neighbor.number].power[c];
         if (brdf)
             apply_brdf(map, gathering->source, neighbor.number, flux);
         if (gathering->offsets) {

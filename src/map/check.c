@@ -82,7 +82,8 @@ pm_status pm_map_check(const pm_map *map, pm_error *error)
         float position[3];
         pm__position(map, i, position);
         for (int a = 0; a < 3; a++)
-            if (!isfinite(position[a]) || !isfinite(map->direction[i][a]) || !isfinite(map->power[i][a]))
+            if (!isfinite(position[a]) || !isfinite(map->carried[i].direction[a]) ||
+                !isfinite(map->carried[i].power[a]))
                 return pm__fail(error, PM_EBROKEN, "photon %zu: a value is not finite", i);
     }
     pm_status status = check_ids(map, error);

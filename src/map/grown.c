@@ -275,15 +275,13 @@ static pm_status reserve(pm_map *map, pm__grown *tree)
     if (map->count < tree->capacity)
         return PM_OK;
     const size_t n = map->count, room = n < 32 ? 64 : n < PM_MAX_PHOTONS / 2 ? 2 * n : PM_MAX_PHOTONS;
-    void *blocks = map->blocks, *ids = map->ids, *direction = map->direction, *power = map->power, *nodes = tree->nodes;
+    void *blocks = map->blocks, *ids = map->ids, *carried = map->carried, *nodes = tree->nodes;
     const bool done = enlarge(&blocks, sizeof *map->blocks, map->block_count, (room + PM__LANES - 1) / PM__LANES) &&
                       enlarge(&ids, sizeof *map->ids, n, room) &&
-                      enlarge(&direction, sizeof *map->direction, n, room) &&
-                      enlarge(&power, sizeof *map->power, n, room) && enlarge(&nodes, sizeof *tree->nodes, n, room);
+                      enlarge(&carried, sizeof *map->carried, n, room) && enlarge(&nodes, sizeof *tree->nodes, n, room);
     map->blocks = blocks;
     map->ids = ids;
-    map->direction = direction;
-    map->power = power;
+    map->carried = carried;
     tree->nodes = nodes;
     if (done)
         tree->capacity = room;
@@ -323,8 +321,8 @@ static void append(pm_map *map, const pm_photon *photon, const float position[3]
     block->z[lane] = position[2];
     map->ids[n] = (uint32_t)n;
     for (int a = 0; a < 3; a++) {
-        map->direction[n][a] = photon->direction[a];
-        map->power[n][a] = photon->power[a];
+        map->carried[n].direction[a] = photon->direction[a];
+        map->carried[n].power[a] = photon->power[a];
         map->max_power = fmax(map->max_power, (double)photon->power[a]);
     }
     map->count = n + 1;

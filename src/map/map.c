@@ -36,7 +36,7 @@ double pm__bytes_when_built(pm__structure_id id)
 double pm__bytes_to_build(pm__structure_id id)
 {
     const pm__structure *const structure = pm__structure_of(id);
-    return pm__bytes_when_built(id) + PM__ITEM_BYTES + (structure ? structure->building : 0.0);
+    return pm__bytes_when_built(id) + (structure ? structure->building : 0.0);
 }
 
 static pm_status check_photons(const pm_photon *photons, size_t count, pm_error *error)
@@ -161,24 +161,32 @@ static void items_task(void *argument, size_t chunk)
     }
 }
 
-/* Blocks, ids, direction and power in the map's order. */
-static void photons_task(void *argument, size_t chunk)
+/* Blocks and ids in the map's order. */
+static void blocks_task(void *argument, size_t chunk)
 {
-    filling *const f = argument;
+    const filling *const f = argument;
     pm_map *const map = f->map;
-    double most = 0.0;
     for (size_t i = chunk * CHUNK; i < chunk_end(map, chunk); i++) {
         pm__block *const block = &map->blocks[i / PM__LANES];
         block->x[i % PM__LANES] = f->items[i].position[0];
         block->y[i % PM__LANES] = f->items[i].position[1];
         block->z[i % PM__LANES] = f->items[i].position[2];
         map->ids[i] = f->items[i].id;
+    }
+}
+
+static void carried_task(void *argument, size_t chunk)
+{
+    filling *const f = argument;
+    pm_map *const map = f->map;
+    double most = 0.0;
+    for (size_t i = chunk * CHUNK; i < chunk_end(map, chunk); i++) {
         if (i + AHEAD < map->count) /* the caller's order is any, so every photon is a cache miss */
-            __builtin_prefetch(&f->photons[f->items[i + AHEAD].id]);
-        const pm_photon *const p = &f->photons[f->items[i].id];
+            __builtin_prefetch(&f->photons[map->ids[i + AHEAD]]);
+        const pm_photon *const p = &f->photons[map->ids[i]];
         for (int a = 0; a < 3; a++) {
-            map->direction[i][a] = p->direction[a];
-            map->power[i][a] = p->power[a];
+            map->carried[i].direction[a] = p->direction[a];
+            map->carried[i].power[a] = p->power[a];
             most = (double)p->power[a] > most ? (double)p->power[a] : most;
         }
     }
@@ -189,7 +197,8 @@ static void fill_photons(filling *f, const pm_parallel *parallel)
 {
     pm_map *const map = f->map;
     const size_t chunks = (map->count + CHUNK - 1) / CHUNK;
-    pm__for(parallel, chunks, photons_task, f);
+    pm__for(parallel, chunks, blocks_task, f);
+    pm__for(parallel, chunks, carried_task, f); /* where the items were */
     for (size_t i = 0; i < chunks; i++)
         map->max_power = f->max_power[i] > map->max_power ? f->max_power[i] : map->max_power;
     for (size_t i = map->count; i < map->block_count * PM__LANES; i++) {
@@ -203,9 +212,8 @@ static pm_status allocate(pm_map *map)
     map->block_count = (map->count + PM__LANES - 1) / PM__LANES;
     map->blocks = pm__alloc(map->block_count, sizeof *map->blocks);
     map->ids = pm__alloc(map->count, sizeof *map->ids);
-    map->direction = pm__alloc(map->count, sizeof *map->direction);
-    map->power = pm__alloc(map->count, sizeof *map->power);
-    return map->blocks && map->ids && map->direction && map->power ? PM_OK : PM_ENOMEM;
+    map->carried = pm__alloc(map->count, sizeof *map->carried);
+    return map->blocks && map->ids && map->carried ? PM_OK : PM_ENOMEM;
 }
 
 static pm_status arrange(filling *f, const pm__structure *primary, const pm_map_options *options)
@@ -234,12 +242,9 @@ static pm_status build(pm_map *map, const pm_photon *photons, const pm__structur
     if (f) {
         f->map = map;
         f->photons = photons;
-        f->items = pm__alloc(map->count, sizeof *f->items);
-        if (!f->items)
-            status = PM_ENOMEM;
+        f->items = (void *)map->carried; /* which is larger, and filled when the items are done with */
         if (status == PM_OK)
             status = arrange(f, primary, options);
-        free(f->items);
     }
     free(f);
     return status;
@@ -324,8 +329,7 @@ void pm_map_destroy(pm_map *map)
             pm__structure_of((pm__structure_id)id)->destroy(map->index[id]);
     free(map->blocks);
     free(map->ids);
-    free(map->direction);
-    free(map->power);
+    free(map->carried);
     free(map);
 }
 
@@ -341,8 +345,8 @@ pm_photon pm_map_photon(const pm_map *map, uint32_t number)
     pm__position(map, number, position);
     for (int a = 0; a < 3; a++) {
         photon.position[a] = (float)((double)position[a] * map->unit + map->centre[a]);
-        photon.direction[a] = map->direction[number][a];
-        photon.power[a] = map->power[number][a];
+        photon.direction[a] = map->carried[number].direction[a];
+        photon.power[a] = map->carried[number].power[a];
     }
     return photon;
 }

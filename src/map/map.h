@@ -22,15 +22,20 @@ typedef enum pm__structure_id {
     PM__STRUCTURES
 } pm__structure_id;
 
+/* What a photon carries beside its position; what asks for one mostly asks for both. */
+typedef struct pm__carried {
+    float direction[3];
+    float power[3]; /* W */
+} pm__carried;
+
 /* Invariants: photon `number` (0..count-1) is lane number % 16 of block number / 16; ids[number] is its index in the
- * caller's array, a permutation of 0..count-1; direction and power are stored by number. */
+ * caller's array, a permutation of 0..count-1. */
 struct pm_map {
     size_t count;
     size_t block_count;    /* ceil(count / 16) */
     pm__block *blocks;
     uint32_t *ids;
-    float (*direction)[3];
-    float (*power)[3];     /* W */
+    pm__carried *carried;  /* by number */
     double centre[3];      /* m */
     double unit;           /* m in a map unit: a power of two */
     double inverse_unit;

@@ -14,15 +14,14 @@ typedef struct pm__structure {
     void (*destroy)(void *index);
     size_t (*bytes)(const pm_map *map, const void *index); /* beside ids and photons */
     bool first_only; /* can only give a map its order, not be added later */
-    /* Bytes a photon at most, for those who ask before they build: beside PM__MAP_BYTES, and beside PM__ITEM_BYTES
-     * while it is built. */
+    /* Bytes a photon at most, for those who ask before they build: beside PM__MAP_BYTES; and while it is built. */
     double held, building;
 } pm__structure;
 
 extern const pm__structure pm__structure_tree, pm__structure_wide, pm__structure_grid, pm__structure_grown;
 
-/* What every map has (position, id, direction, power), and what every build needs for a while. */
-enum { PM__MAP_BYTES = 40, PM__ITEM_BYTES = sizeof(pm__item) };
+/* What every map has: position, id, direction, power. */
+enum { PM__MAP_BYTES = 40 };
 
 /* Bytes a photon while a map whose order is that structure's is built, and of it when it is. */
 double pm__bytes_to_build(pm__structure_id id);

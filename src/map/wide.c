@@ -220,7 +220,7 @@ static void facing_task(void *argument, size_t chunk)
     const facing_of *const f = argument;
     const size_t photons = NODES * FAN * PM__LANES, end = (chunk + 1) * photons;
     for (size_t i = chunk * photons; i < f->map->count && i < end; i++) {
-        const float *const w = f->map->direction[i];
+        const float *const w = f->map->carried[i].direction;
         const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
         double d[3] = {(double)w[0], (double)w[1], (double)w[2]};
         if (!(fabsf(square - 1.0f) < 1e-5f))
@@ -263,7 +263,7 @@ static size_t bytes(const pm_map *map, const void *index)
            map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
 }
 
-const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true, 5.0, 0.0};
+const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true, 6.0, 0.0};
 
 pm_status pm__wide_check(const pm_map *map, pm_error *error)
 {

@@ -21,9 +21,9 @@ typedef struct pm__facing {
 
 enum { PM__WIDE_LEVELS = 8 };
 
-/* Where a search may begin, and how wide: a grid over the bulk of the photons, whose cells name a block that lies there, and
- * the squared radii about it that hold PM__HINT_NEAR and PM__HINT_FAR photons. Only a search's time depends on them; cells
- * without photons, and small maps, have none. */
+/* Where a search may begin, and how wide: a grid over the bulk of the photons, whose cells name a block that lies
+ * there, and the squared radii about it that hold PM__HINT_NEAR and PM__HINT_FAR photons. Only a search's time depends
+ * on them; cells without photons, and small maps, have none. */
 enum { PM__HINT_NEAR = 64, PM__HINT_FAR = 512, PM__HINT_NONE = -1, PM__HINT_STEPS = 128 };
 
 typedef struct pm__hint {

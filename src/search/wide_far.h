@@ -38,8 +38,8 @@ static void keep_best(const walk *w, collector *c)
     c->bound = at.distance2;
 }
 
-/* Empties the candidates, or keeps the k best of them: for a fixed radius they are handed over, above MOST_SELECTED they go
- * into a heap of k. */
+/* Empties the candidates, or keeps the k best of them: for a fixed radius they are handed over, above MOST_SELECTED
+ * they go into a heap of k. */
 static void make_room(const walk *w, collector *c)
 {
     const size_t k = w->query->k;

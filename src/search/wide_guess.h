@@ -53,8 +53,8 @@ static inline scale scale_of(size_t k)
     return (scale){k, rough_log2(count * (1.0f / PM__HINT_NEAR)), GUESS_MARGIN + GUESS_NOISE / sqrtf(count)};
 }
 
-/* Squared radii grow like a power of the number of photons: 1 on surfaces, 2/3 in volumes, 2 along lines. Between the two
- * numbers of the hints the power is the local one; below them it is of the nearest of these kinds. */
+/* Squared radii grow like a power of the number of photons: 1 on surfaces, 2/3 in volumes, 2 along lines. Between the
+ * two numbers of the hints the power is the local one; below them it is of the nearest of these kinds. */
 static inline float hinted_radius2(const pm__hint *hint, const scale *k)
 {
     const float near = (float)hint->log_near * (1.0f / PM__HINT_STEPS);
@@ -75,8 +75,8 @@ static inline int guess_level(const pm__wide *wide, size_t k)
     return level;
 }
 
-/* The squared radius that holds k photons at the density of a box with that many: of a surface where it is flat, of a volume
- * where it is not. */
+/* The squared radius that holds k photons at the density of a box with that many: of a surface where it is flat, of a
+ * volume where it is not. */
 static float radius2_of_box(const float extent[3], size_t photons, size_t k)
 {
     float e0 = extent[0], e1 = extent[1], e2 = extent[2], t;

@@ -77,7 +77,7 @@ static void find(const pm_map *map, const pm__query *query, pm__result *result)
 
 /* ---- sixteen at a time ------------------------------------------------------------------------ */
 
-/* Stage by stage, so that the memory accesses of many queries overlap: the starts of all, the blocks of all, then cut. */
+/* Stage by stage, so that the memory accesses of many queries overlap: all starts, then all lists, then all cuts. */
 typedef struct stage {
     walk w;
     start s;

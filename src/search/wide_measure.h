@@ -34,8 +34,8 @@ static inline unsigned measure_boxes(const pm__boxes *boxes, const pm__query *qu
     return mask;
 }
 
-/* The nearest box and its squared distance; of those that hold the query (boxes overlap: that of many faces of a room holds
- * them all) the one whose farthest corner is nearest, since small boxes say most of the density there. */
+/* The nearest box and its squared distance; of those that hold the query (boxes overlap: that of many faces of a room
+ * holds them all) the one whose farthest corner is nearest, since small boxes say most of the density there. */
 static inline unsigned nearest_box(const pm__boxes *boxes, const pm__query *query, float *distance2)
 {
     float nearest[PM__LANES], farthest[PM__LANES];

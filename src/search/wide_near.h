@@ -1,4 +1,4 @@
-/* Few blocks, as nearly always: all are listed, then measured whole, then cut; no candidate is moved but the k that stay. */
+/* Few blocks, as nearly always: all are listed, then measured whole, then cut; none is moved but the k that stay. */
 #ifndef PM_SEARCH_WIDE_NEAR_H
 #define PM_SEARCH_WIDE_NEAR_H
 
@@ -23,8 +23,8 @@ static inline size_t list_children(uint32_t *list, size_t count, size_t node, un
     return count;
 }
 
-/* Lists, behind those listed, the blocks within the bound below nodes at the side of the path to `block`, whose children the
- * masks name by level; false where they are too many. */
+/* Lists, behind those listed, the blocks within the bound below nodes at the side of the path to `block`: the children
+ * that the masks name, by level. False where they are too many. */
 static bool list_aside(const walk *w, size_t block, const unsigned *masks, float bound, block_list *list)
 {
     uint32_t nodes[2][SIBLINGS + 2 * PM__LANES], *here = nodes[0], *below = nodes[1];
@@ -51,8 +51,8 @@ static bool list_aside(const walk *w, size_t block, const unsigned *masks, float
     return true;
 }
 
-/* Lists the blocks within the bound, or false where they are too many. Nothing points, so all nodes above a block are known
- * at once: they are measured beside each other, not one after the other, and hold nearly all that is near. */
+/* Lists the blocks within the bound, or false where they are too many. Nothing points, so all nodes above a block are
+ * known at once: they are measured beside each other, not one after the other, and hold nearly all that is near. */
 static inline bool list_near(const walk *w, int32_t start_block, float bound, block_list *list)
 {
     const size_t block = (size_t)start_block;
