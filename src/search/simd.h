@@ -44,6 +44,11 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32((__mmask16)mask,
                                                          _mm512_add_epi32(_mm512_set1_epi32((int)base), lanes)));
 }
+/* Which of V numbers are not above t. */
+static inline unsigned v_up_to(const uint32_t *p, uint32_t t)
+{
+    return _mm512_cmple_epu32_mask(_mm512_loadu_si512(p), _mm512_set1_epi32((int)t));
+}
 /* Pairs of a and base + lane number of the lanes of the mask; nothing is written beyond `room` pairs. */
 static inline void v_pairs(void *to, size_t room, vf a, uint32_t base, unsigned mask)
 {
@@ -109,6 +114,12 @@ static inline void v_compress_bits(uint32_t *to, const uint32_t *from, unsigned 
 static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
 {
     _mm256_storeu_si256((__m256i *)(void *)to, _mm256_add_epi32(_mm256_set1_epi32((int)base), v_order(mask)));
+}
+static inline unsigned v_up_to(const uint32_t *p, uint32_t t)
+{
+    const __m256i limit = _mm256_set1_epi32((int)t);
+    const __m256i more = _mm256_max_epu32(_mm256_loadu_si256((const __m256i *)(const void *)p), limit);
+    return (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(more, limit)));
 }
 static inline void v_all_pairs(void *to, vf a, uint32_t base, unsigned mask)
 {
@@ -180,6 +191,12 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
 {
     _mm_storeu_si128((__m128i *)(void *)to, _mm_add_epi32(_mm_set1_epi32((int)base), v_order(mask)));
 }
+static inline unsigned v_up_to(const uint32_t *p, uint32_t t)
+{
+    const __m128i limit = _mm_set1_epi32((int)t);
+    const __m128i more = _mm_max_epu32(_mm_loadu_si128((const __m128i *)(const void *)p), limit);
+    return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(more, limit)));
+}
 static inline void v_all_pairs(void *to, vf a, uint32_t base, unsigned mask)
 {
     const __m128i order = v_order(mask), number = _mm_add_epi32(_mm_set1_epi32((int)base), order);
@@ -249,6 +266,13 @@ static inline void v_compress_lanes(uint32_t *to, uint32_t base, unsigned mask)
     for (unsigned i = 0, n = 0; i < V; i++)
         if (mask >> i & 1)
             to[n++] = base + i;
+}
+static inline unsigned v_up_to(const uint32_t *p, uint32_t t)
+{
+    unsigned mask = 0;
+    for (unsigned i = 0; i < V; i++)
+        mask |= (unsigned)(p[i] <= t) << i;
+    return mask;
 }
 static inline void v_all_pairs(void *to, vf a, uint32_t base, unsigned mask)
 {

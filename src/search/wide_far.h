@@ -23,12 +23,12 @@ static void keep_best(const walk *w, collector *c)
     for (size_t i = c->count; i < c->count + V; i++)
         c->d2[i] = INFINITY; /* no lane beyond the last is counted */
     const cut at = cut_at(c->d2, c->count, c->count, c->bound, k);
-    uint32_t ids[CAPACITY];
+    uint32_t ids[CAPACITY + PM__LANES];
     size_t equal = 0, kept = 0;
     for (size_t i = 0; i < c->count; i++)
         if (!(c->d2[i] < at.distance2) && !(c->d2[i] > at.distance2))
             ids[equal++] = w->map->ids[c->number[i]];
-    const uint32_t last = last_id(ids, equal, at.ties);
+    const uint32_t last = last_id(ids, equal, at.ties, w->map->count);
     for (size_t i = 0; i < c->count; i++)
         if (c->d2[i] < at.distance2 || (!(c->d2[i] > at.distance2) && w->map->ids[c->number[i]] <= last)) {
             c->d2[kept] = c->d2[i];

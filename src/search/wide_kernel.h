@@ -35,10 +35,17 @@ static void find_nearest(const walk *w, start s, int round)
     list.most = most_blocks(w->query->k);
     for (;; round++) {
         const bool listed = list.most && list_near(w, s.block, box_bound(w, s.guess), &list);
-        if (!listed && list.most && 0.3f * s.guess > too_few && round < 20) {
-            too_many = s.guess;
-            s.guess *= 0.3f;
-            continue;
+        if (!listed && list.most && round < 20) {
+            const bool first = !(too_many < INFINITY);
+            if (!first && list.most < LISTED) { /* many in one place: no smaller guess will help */
+                list.most = LISTED;
+                continue;
+            }
+            if (0.3f * s.guess > too_few) {
+                too_many = s.guess;
+                s.guess *= 0.3f;
+                continue;
+            }
         }
         if (listed ? settle(w, &list, s.guess, &found) : settle_far(w, s.guess, &found))
             return;

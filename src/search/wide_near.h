@@ -107,22 +107,21 @@ static void append_with_ties(const walk *w, const block_list *list, const float 
 {
     uint32_t ids[CAPACITY + PM__LANES];
     const vf limit = v_set(at.distance2);
+    pm__result *const result = w->result;
     size_t count = 0;
     for (size_t i = 0; i < list->count * PM__LANES; i += V) {
         const vf value = v_load(d2 + i);
         const size_t number = (size_t)list->blocks[i / PM__LANES] * PM__LANES + i % PM__LANES;
-        for (unsigned equal = v_le(value, limit) & ~v_lt(value, limit); equal; equal &= equal - 1)
-            ids[count++] = w->map->ids[number + (size_t)__builtin_ctz(equal)];
+        const unsigned equal = v_le(value, limit) & ~v_lt(value, limit);
+        v_compress_bits(ids + count, w->map->ids + number, equal); /* the array ends with a whole block */
+        count += v_bits(equal);
     }
-    const uint32_t last = last_id(ids, count, at.ties);
-    pm__result *const result = w->result;
+    const uint32_t last = last_id(ids, count, at.ties, w->map->count);
     for (size_t i = 0; i < list->count * PM__LANES; i += V) {
         const vf value = v_load(d2 + i);
         const size_t number = (size_t)list->blocks[i / PM__LANES] * PM__LANES + i % PM__LANES;
-        unsigned mask = v_lt(value, limit);
-        for (unsigned equal = v_le(value, limit) & ~mask; equal; equal &= equal - 1)
-            if (w->map->ids[number + (size_t)__builtin_ctz(equal)] <= last)
-                mask |= equal & -equal;
+        const unsigned below = v_lt(value, limit), equal = v_le(value, limit) & ~below;
+        const unsigned mask = below | (equal & v_up_to(w->map->ids + number, last));
         v_pairs(result->list + result->count, result->capacity - result->count, value, (uint32_t)number, mask);
         result->count += v_bits(mask);
     }

@@ -73,20 +73,31 @@ static uint32_t value_of_rank(uint32_t *values, size_t count, size_t wanted)
     return values[0];
 }
 
-/* Squared distances are not negative, so their bits are in their order. */
+static inline cut cut_here(float at, size_t below, size_t up_to, size_t wanted)
+{
+    return (cut){at, up_to == wanted ? ALL_TIES : wanted - below};
+}
+
+/* Many are mostly so because they tie: the first may be the one. Else their bits are selected, which are in their order,
+ * since squared distances are not negative. `values` has V more places than there are of them. */
 static cut cut_many(float *values, size_t count, size_t wanted)
 {
-    uint32_t bits[CAPACITY + PM__LANES];
-    memcpy(bits, values, count * sizeof *bits);
-    const uint32_t chosen = value_of_rank(bits, count, wanted);
-    float at;
-    memcpy(&at, &chosen, sizeof at);
-    size_t below = 0, equal = 0;
-    for (size_t i = 0; i < count; i++) {
-        below += values[i] < at;
-        equal += !(values[i] < at) && !(values[i] > at);
+    v_store(values + count, v_set(NAN));
+    float at = values[0];
+    for (int try = 0;; try++) {
+        const vf limit = v_set(at);
+        size_t below = 0, up_to = 0;
+        for (size_t i = 0; i < count; i += V) {
+            below += v_bits(v_lt(v_load(values + i), limit));
+            up_to += v_bits(v_le(v_load(values + i), limit));
+        }
+        if (try || (below < wanted && wanted <= up_to))
+            return cut_here(at, below, up_to, wanted);
+        uint32_t bits[CAPACITY + PM__LANES] = {0};
+        memcpy(bits, values, count * sizeof *bits);
+        const uint32_t chosen = value_of_rank(bits, count, wanted);
+        memcpy(&at, &chosen, sizeof at);
     }
-    return (cut){at, below + equal == wanted ? ALL_TIES : wanted - below};
 }
 
 /* Each one's rank is the number of those before it: counted at once for all. */
@@ -143,10 +154,29 @@ static inline cut cut_at(const float *d2, size_t lanes, size_t within, float bou
     return count <= WINDOW ? cut_few(values, count, k - below) : cut_many(values, count, k - below);
 }
 
-/* The highest id to be kept of those that tie at a cut. */
-static uint32_t last_id(uint32_t *ids, size_t count, size_t ties)
+/* The highest id to be kept of those that tie at a cut: any up to which there are `ties`. All ids are different and below
+ * `all`. `ids` has V more places than there are of them. */
+static uint32_t last_id(uint32_t *ids, size_t count, size_t ties, size_t all)
 {
-    return ties == ALL_TIES ? UINT32_MAX : value_of_rank(ids, count, ties);
+    if (ties == ALL_TIES)
+        return UINT32_MAX;
+    for (unsigned i = 0; i < V; i++)
+        ids[count + i] = UINT32_MAX;
+    uint64_t from = 0, to = all; /* the answer lies in [from, to) */
+    size_t below = 0, up_to = count;
+    for (bool halve = false;; halve = !halve) { /* interpolation is fast, halving certain */
+        const double share = halve ? 0.5 : (double)(ties - below) / (double)(up_to - below + 1);
+        const uint64_t t = from + (uint64_t)(share * (double)(to - from - 1));
+        size_t found = 0;
+        for (size_t i = 0; i < count; i += V)
+            found += v_bits(v_up_to(ids + i, (uint32_t)t));
+        if (found == ties || to - from <= 1)
+            return (uint32_t)t;
+        to = found > ties ? t : to;
+        up_to = found > ties ? found : up_to;
+        from = found > ties ? from : t + 1;
+        below = found > ties ? below : found;
+    }
 }
 
 #endif
