@@ -78,8 +78,8 @@ static inline cut cut_here(float at, size_t below, size_t up_to, size_t wanted)
     return (cut){at, up_to == wanted ? ALL_TIES : wanted - below};
 }
 
-/* Many are mostly so because they tie: the first may be the one. Else their bits are selected, which are in their order,
- * since squared distances are not negative. `values` has V more places than there are of them. */
+/* Many are mostly so because they tie: the first may be the one. Else their bits are selected, which are in their
+ * order, since squared distances are not negative. `values` has V more places than there are of them. */
 static cut cut_many(float *values, size_t count, size_t wanted)
 {
     v_store(values + count, v_set(NAN));
@@ -154,8 +154,8 @@ static inline cut cut_at(const float *d2, size_t lanes, size_t within, float bou
     return count <= WINDOW ? cut_few(values, count, k - below) : cut_many(values, count, k - below);
 }
 
-/* The highest id to be kept of those that tie at a cut: any up to which there are `ties`. All ids are different and below
- * `all`. `ids` has V more places than there are of them. */
+/* The highest id to be kept of those that tie at a cut: any up to which there are `ties`. All ids are different and
+ * below `all`. `ids` has V more places than there are of them. */
 static uint32_t last_id(uint32_t *ids, size_t count, size_t ties, size_t all)
 {
     if (ties == ALL_TIES)
