@@ -115,6 +115,24 @@ static void hint_task(void *argument, size_t chunk)
     }
 }
 
+/* Cells beside one that has a hint get the same: surfaces run along borders, and blocks are not in all cells of a surface.
+ * Marks first (below PM__HINT_NONE, the neighbour's number), so that no hint comes farther than a cell. */
+static void spread(pm__hints *hints)
+{
+    const size_t end[3] = {hints->stride[1], hints->stride[2], hints->count};
+    for (size_t c = 0; c < hints->count; c++)
+        for (int a = 0; a < 3 && hints->cells[c].block == PM__HINT_NONE; a++) {
+            const size_t along = c % end[a], stride = hints->stride[a];
+            if (along >= stride && hints->cells[c - stride].block >= 0)
+                hints->cells[c].block = PM__HINT_NONE - 1 - (int32_t)(c - stride);
+            else if (along + stride < end[a] && hints->cells[c + stride].block >= 0)
+                hints->cells[c].block = PM__HINT_NONE - 1 - (int32_t)(c + stride);
+        }
+    for (size_t c = 0; c < hints->count; c++)
+        if (hints->cells[c].block < PM__HINT_NONE)
+            hints->cells[c] = hints->cells[PM__HINT_NONE - 1 - hints->cells[c].block];
+}
+
 pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel)
 {
     if (map->count < MINIMUM)
@@ -134,6 +152,7 @@ pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel)
     }
     hinting h = {map, &hints};
     pm__for(parallel, (hints.count + CHUNK - 1) / CHUNK, hint_task, &h);
+    spread(&hints);
     wide->hints = hints;
     return PM_OK;
 }
