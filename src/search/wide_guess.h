@@ -6,7 +6,7 @@
 
 /* How much wider than the density says, and how much for the scatter of k: the cost of too many against too few. */
 #define GUESS_MARGIN 1.04f
-#define GUESS_NOISE 1.7f
+#define GUESS_NOISE 1.4f
 
 typedef struct start {
     int32_t block; /* somewhere near the query */

@@ -6,6 +6,7 @@
 #include "../map/wide.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     MINIMUM = 1 << 16, /* photons: below, the tree is low and a map is often searched less than it would pay for */
@@ -69,7 +70,7 @@ static size_t name_blocks(const pm_map *map, const pm__hints *hints)
 {
     size_t filled = 0;
     for (size_t c = 0; c < hints->count; c++)
-        hints->cells[c].block = PM__HINT_NONE;
+        hints->cells[c] = (pm__hint){.block = PM__HINT_NONE};
     for (size_t block = 0; block < map->block_count; block++) {
         float position[3];
         middle_photon(map, block, position);
@@ -115,22 +116,50 @@ static void hint_task(void *argument, size_t chunk)
     }
 }
 
-/* Cells beside one that has a hint get the same: surfaces run along borders, and blocks are not in all cells of a surface.
- * Marks first (below PM__HINT_NONE, the neighbour's number), so that no hint comes farther than a cell. */
-static void spread(pm__hints *hints)
+/* The cells beside a cell, at most 6. */
+static size_t beside(const pm__hints *hints, size_t cell, size_t to[6])
 {
     const size_t end[3] = {hints->stride[1], hints->stride[2], hints->count};
-    for (size_t c = 0; c < hints->count; c++)
-        for (int a = 0; a < 3 && hints->cells[c].block == PM__HINT_NONE; a++) {
-            const size_t along = c % end[a], stride = hints->stride[a];
-            if (along >= stride && hints->cells[c - stride].block >= 0)
-                hints->cells[c].block = PM__HINT_NONE - 1 - (int32_t)(c - stride);
-            else if (along + stride < end[a] && hints->cells[c + stride].block >= 0)
-                hints->cells[c].block = PM__HINT_NONE - 1 - (int32_t)(c + stride);
+    size_t count = 0;
+    for (int a = 0; a < 3; a++) {
+        const size_t along = cell % end[a], stride = hints->stride[a];
+        if (along >= stride)
+            to[count++] = cell - stride;
+        if (along + stride < end[a])
+            to[count++] = cell + stride;
+    }
+    return count;
+}
+
+/* Makes hints the mean of those around, since each is as uncertain as 64 photons are; cells beside one that has a hint
+ * get one, since surfaces run along borders and not every cell of a surface has the middle of a block. */
+static pm_status smooth(pm__hints *hints)
+{
+    pm__hint *const before = pm__alloc(hints->count, sizeof *before);
+    if (!before)
+        return PM_ENOMEM;
+    memcpy(before, hints->cells, hints->count * sizeof *before);
+    for (size_t c = 0; c < hints->count; c++) {
+        pm__hint *const hint = &hints->cells[c];
+        size_t cells[6];
+        const size_t around = beside(hints, c, cells);
+        int weight = hint->block >= 0 ? 2 : 0, near = weight * hint->log_near, far = weight * hint->log_far;
+        for (size_t i = 0; i < around; i++) {
+            const pm__hint *const other = &before[cells[i]];
+            if (other->block < 0)
+                continue;
+            near += other->log_near;
+            far += other->log_far;
+            weight++;
+            hint->block = hint->block < 0 ? other->block : hint->block;
         }
-    for (size_t c = 0; c < hints->count; c++)
-        if (hints->cells[c].block < PM__HINT_NONE)
-            hints->cells[c] = hints->cells[PM__HINT_NONE - 1 - hints->cells[c].block];
+        if (weight) {
+            hint->log_near = (int16_t)(near / weight);
+            hint->log_far = (int16_t)(far / weight);
+        }
+    }
+    free(before);
+    return PM_OK;
 }
 
 pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel)
@@ -152,7 +181,10 @@ pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel)
     }
     hinting h = {map, &hints};
     pm__for(parallel, (hints.count + CHUNK - 1) / CHUNK, hint_task, &h);
-    spread(&hints);
-    wide->hints = hints;
-    return PM_OK;
+    const pm_status status = smooth(&hints);
+    if (status == PM_OK)
+        wide->hints = hints;
+    else
+        free(hints.cells);
+    return status;
 }
