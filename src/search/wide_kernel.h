@@ -46,7 +46,8 @@ static void find_nearest(const walk *w, start s, int round)
             too_many = INFINITY; /* where few of the photons in reach are wanted */
         too_few = s.guess;
         const float larger = enlarge(w, s.guess, found, round);
-        s.guess = larger < too_many ? larger : sqrtf(too_few) * sqrtf(too_many) * 1.05f;
+        const float between = sqrtf(too_few) * sqrtf(too_many) * 1.05f; /* but never more than the query's maximum */
+        s.guess = larger < too_many ? larger : between < too_many ? between : too_many;
     }
 }
 
