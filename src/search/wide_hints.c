@@ -44,7 +44,7 @@ static void frame(const pm_map *map, float low[3], float extent[3])
     }
 }
 
-/* At most `limit` cubes, none so small that squared distances in it are 0: searches there would find all photons near. */
+/* At most `limit` cubes; none so small that squared distances in it are 0, for searches there would find everything. */
 static void choose_cells(pm__hints *hints, const float low[3], const float extent[3], size_t limit)
 {
     const float longest = fmaxf(extent[0], fmaxf(extent[1], extent[2]));
