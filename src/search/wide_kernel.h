@@ -7,6 +7,8 @@
 
 #include "wide_far.h"
 
+#define SHRINK 0.3f /* of the squared radius */
+
 /* A larger squared radius where `tried` held too few. */
 static float enlarge(const walk *w, float tried, size_t found, int round)
 {
@@ -26,6 +28,13 @@ static inline size_t most_blocks(size_t k)
     return k > MOST_SELECTED ? 0 : k / 4 + 24 < LISTED ? k / 4 + 24 : LISTED;
 }
 
+/* May a smaller guess reach fewer blocks? Not where photons lie in one place, nor where a disc's height alone reaches
+ * them. */
+static inline bool shrinks(const walk *w, float guess, float too_few)
+{
+    return SHRINK * guess > fmaxf(too_few, FLT_MIN) && w->query->prune_slack < guess;
+}
+
 /* Tries s.guess, which is known not to be the first and too small where round > 0, and larger or smaller ones. */
 static void find_nearest(const walk *w, start s, int round)
 {
@@ -35,9 +44,9 @@ static void find_nearest(const walk *w, start s, int round)
     list.most = most_blocks(w->query->k);
     for (;; round++) {
         const bool listed = list.most && list_near(w, s.block, box_bound(w, s.guess), &list);
-        if (!listed && list.most && 0.3f * s.guess > too_few && round < 20) {
+        if (!listed && list.most && shrinks(w, s.guess, too_few) && round < 20) {
             too_many = s.guess;
-            s.guess *= 0.3f;
+            s.guess *= SHRINK;
             continue;
         }
         if (listed ? settle(w, &list, s.guess, &found) : settle_far(w, s.guess, &found))
