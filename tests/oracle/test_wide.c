@@ -69,12 +69,20 @@ static void point(const double u[4], size_t i, double x[3])
     x[0] = x[1] = x[2] = i % 1000 ? 0.5 : 0.25;
 }
 
+/* Most so close together that squared distances are below the least normal float. */
+static void crowd(const double u[4], size_t i, double x[3])
+{
+    for (int a = 0; a < 3; a++)
+        x[a] = i % 8 ? 1e-20 * u[a] : u[a];
+}
+
 static const cloud clouds[] = {{"square", 1.0, 0.0, 0.0, square, false},
                                {"box faces", 3.0, -1.0, 0.0, faces, false},
                                {"uneven", 1.0, 0.0, 0.0, uneven, false},
                                {"duplicates", 1.0, 0.0, 0.0, duplicates, false},
                                {"line", 1.0, 2.0, 0.0, line, false},
                                {"one point", 1.0, 0.0, 0.0, point, true},
+                               {"crowd", 1.0, 0.0, 0.0, crowd, true},
                                {"outlier", 1.0, 0.0, 1e5, square, false},
                                {"outlier beyond float", 1.0, 0.0, 1e25, square, true},
                                {"tiny", 1e-30, 0.0, 0.0, uneven, false},
@@ -88,9 +96,10 @@ static void make_photons(const cloud *c, size_t count, pm_photon *photons)
         double u[7], x[3];
         pm__random_uniform(31, PM__FOR_TESTS, 0, i, u, 7);
         c->place(u, i, x);
+        const double length = i % 64 == 5 ? 1e-44 : i % 64 == 6 ? 6e38 : 1.0; /* products that are rounded away */
         for (int a = 0; a < 3; a++) {
             photons[i].position[a] = (float)(c->offset + c->scale * (i == 77 ? x[a] + c->far : x[a]));
-            photons[i].direction[a] = (float)(u[4 + a] - 0.5);
+            photons[i].direction[a] = (float)(length * (u[4 + a] - 0.5));
             photons[i].power[a] = 1.0f;
         }
     }
