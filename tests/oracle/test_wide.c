@@ -230,6 +230,11 @@ START_TEST(every_width_finds_what_brute_force_does)
             check_query(&f, make_query(c, photons, number, shape), c->name, expected);
         }
     free_fleet(&f);
+    make_fleet(&f, photons, 3000); /* without hints, too */
+    ck_assert_uint_eq(pm__wide_of(f.any)->hints.count, 0);
+    for (size_t number = 0; number < QUERIES; number++)
+        check_query(&f, make_query(c, photons, number, 0), c->name, expected);
+    free_fleet(&f);
     free(photons);
     free(expected);
 }
