@@ -223,9 +223,9 @@ START_TEST(every_width_finds_what_brute_force_does)
     make_photons(c, COUNT, photons);
     make_fleet(&f, photons, COUNT);
     ck_assert_uint_gt(pm__wide_of(f.any)->hints.count, 0);
-    /* Plain, and with one filter each. Where all are in one place all are found, which takes its time. */
+    /* All plain, every other one with a filter too. Where all are in one place all are found, which takes its time. */
     for (size_t number = 0; number < QUERIES; number += c->together ? 3 : 1)
-        for (int filter = 0; filter < 2; filter++) {
+        for (int filter = 0; filter <= (int)number % 2; filter++) {
             const int shape = filter ? 1 + (int)number % (SHAPES - 1) : 0;
             check_query(&f, make_query(c, photons, number, shape), c->name, expected);
         }
