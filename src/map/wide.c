@@ -214,7 +214,8 @@ typedef struct facing_of {
     pm__facing *facing;
 } facing_of;
 
-/* Directions are needed at any length, so they are made unit here; one of length 0 stays 0, which is neither side. */
+/* Directions are needed at any length, so they are made unit here. One of length 0, or of so small or large a one that
+ * products with it are rounded away, becomes 0, which is neither side: pm__in_front decides. */
 static void facing_task(void *argument, size_t chunk)
 {
     const facing_of *const f = argument;
@@ -223,7 +224,9 @@ static void facing_task(void *argument, size_t chunk)
         const float *const w = f->map->carried[i].direction;
         const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
         double d[3] = {(double)w[0], (double)w[1], (double)w[2]};
-        if (!(fabsf(square - 1.0f) < 1e-5f))
+        if (!(square > 1e-30f && square < 1e30f))
+            d[0] = d[1] = d[2] = 0.0;
+        else if (!(fabsf(square - 1.0f) < 1e-5f))
             (void)pm__normalize(d);
         for (int a = 0; a < 3; a++)
             f->facing[i / PM__LANES].axis[a][i % PM__LANES] = (int8_t)(127.0 * d[a] + (d[a] < 0.0 ? -0.5 : 0.5));

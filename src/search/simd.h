@@ -293,7 +293,7 @@ static inline void v_pairs(void *to, size_t room, vf a, uint32_t base, unsigned 
 {
     if (room >= V) {
         v_all_pairs(to, a, base, mask);
-    } else {
+    } else if (mask) { /* `to` may be NULL where there is no room */
         char pairs[V * 8];
         v_all_pairs(pairs, a, base, mask);
         memcpy(to, pairs, (size_t)__builtin_popcount(mask) * 8);

@@ -15,7 +15,8 @@ typedef struct start {
 
 static inline float limited(const pm__query *query, float radius2)
 {
-    return !(radius2 > FLT_MIN) ? FLT_MIN : radius2 < query->max_distance2 ? radius2 : query->max_distance2;
+    const float positive = radius2 > FLT_MIN ? radius2 : FLT_MIN;
+    return positive < query->max_distance2 ? positive : query->max_distance2;
 }
 
 /* log2 and 2^x to 1 %, which a guess bears; x from -126 to 126. */

@@ -11,6 +11,7 @@
 enum {
     MINIMUM = 1 << 16, /* photons: below, the tree is low and a map is often searched less than it would pay for */
     BLOCKS_A_CELL = 2, /* where there are photons */
+    MOST_ALONG = 1 << 23, /* cells, of which a float can number all */
     SAMPLE = 1024,
     CHUNK = 256
 };
@@ -44,11 +45,11 @@ static void frame(const pm_map *map, float low[3], float extent[3])
     }
 }
 
-/* At most `limit` cubes. */
+/* At most `limit` cubes; none so small that squared distances in it are 0, for searches there would find everything. */
 static void choose_cells(pm__hints *hints, const float low[3], const float extent[3], size_t limit)
 {
     const float longest = fmaxf(extent[0], fmaxf(extent[1], extent[2]));
-    float along = (float)limit; /* the longest axis */
+    float along = fminf((float)(limit < MOST_ALONG ? limit : MOST_ALONG), longest * 1e18f); /* the longest axis */
     for (int step = 0; step < 200; step++, along *= 0.93f) {
         double count = 1.0;
         for (int a = 0; a < 3; a++) {
@@ -179,6 +180,8 @@ pm_status pm__wide_hint(const pm_map *map, const pm_parallel *parallel)
         if (name_blocks(map, &hints) * BLOCKS_A_CELL <= map->block_count)
             break;
     }
+    pm__hint *const fitting = realloc(hints.cells, hints.count * sizeof *hints.cells);
+    hints.cells = fitting ? fitting : hints.cells;
     hinting h = {map, &hints};
     pm__for(parallel, (hints.count + CHUNK - 1) / CHUNK, hint_task, &h);
     const pm_status status = smooth(&hints);

@@ -7,6 +7,8 @@
 
 #include "wide_far.h"
 
+#define SHRINK 0.3f /* of the squared radius */
+
 /* A larger squared radius where `tried` held too few. */
 static float enlarge(const walk *w, float tried, size_t found, int round)
 {
@@ -26,6 +28,13 @@ static inline size_t most_blocks(size_t k)
     return k > MOST_SELECTED ? 0 : k / 4 + 24 < LISTED ? k / 4 + 24 : LISTED;
 }
 
+/* May a smaller guess reach fewer blocks? Not where photons lie in one place, nor where a disc's height alone reaches
+ * them. */
+static inline bool shrinks(const walk *w, float guess, float too_few)
+{
+    return SHRINK * guess > fmaxf(too_few, FLT_MIN) && w->query->prune_slack < guess;
+}
+
 /* Tries s.guess, which is known not to be the first and too small where round > 0, and larger or smaller ones. */
 static void find_nearest(const walk *w, start s, int round)
 {
@@ -36,14 +45,14 @@ static void find_nearest(const walk *w, start s, int round)
     for (;; round++) {
         const bool listed = list.most && list_near(w, s.block, box_bound(w, s.guess), &list);
         if (!listed && list.most && round < 20) {
-            const bool first = !(too_many < INFINITY);
-            if (!first && list.most < LISTED) { /* many in one place: no smaller guess will help */
+            const bool smaller = shrinks(w, s.guess, too_few);
+            if (list.most < LISTED && (too_many < INFINITY || !smaller)) { /* many in one place, perhaps */
                 list.most = LISTED;
                 continue;
             }
-            if (0.3f * s.guess > too_few) {
+            if (smaller) {
                 too_many = s.guess;
-                s.guess *= 0.3f;
+                s.guess *= SHRINK;
                 continue;
             }
         }
@@ -53,7 +62,8 @@ static void find_nearest(const walk *w, start s, int round)
             too_many = INFINITY; /* where few of the photons in reach are wanted */
         too_few = s.guess;
         const float larger = enlarge(w, s.guess, found, round);
-        s.guess = larger < too_many ? larger : sqrtf(too_few) * sqrtf(too_many) * 1.05f;
+        const float between = sqrtf(too_few) * sqrtf(too_many) * 1.05f; /* but never more than the query's maximum */
+        s.guess = larger < too_many ? larger : between < too_many ? between : too_many;
     }
 }
 

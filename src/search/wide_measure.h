@@ -116,7 +116,8 @@ static unsigned in_front(const walk *w, size_t block, unsigned lane, unsigned ma
     const unsigned front = v_lt(dot, v_set(-doubt)) & mask;
     for (unsigned open = mask & v_le(dot, v_set(doubt)) & ~front; open; open &= open - 1) {
         const unsigned i = (unsigned)__builtin_ctz(open);
-        if (pm__in_front(w->map, w->query, block * PM__LANES + lane + i))
+        const size_t number = block * PM__LANES + lane + i;
+        if (number < w->map->count && pm__in_front(w->map, w->query, number)) /* lanes beyond the last have none */
             mask |= 1U << i << 16;
     }
     return front | mask >> 16;

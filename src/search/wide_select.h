@@ -105,7 +105,7 @@ static inline cut cut_few(float *values, size_t count, size_t wanted)
 {
     float found = 0.0f;
     unsigned alike = 0;
-    values[count] = NAN; /* before nothing */
+    v_store(values + count, v_set(NAN)); /* before nothing; what is compared beyond the last is of no account */
     const vf one = v_set(1.0f), rank = v_set((float)(wanted - 1));
     for (size_t at = 0; at < count; at += V) {
         const vf mine = v_load(values + at);

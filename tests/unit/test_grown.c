@@ -148,6 +148,48 @@ START_TEST(no_order_grows_a_deep_tree)
 }
 END_TEST
 
+/* Nodes that a search within a radius visits. */
+static size_t visits(const pm__grown *tree, uint32_t at, const float position[3], float radius)
+{
+    size_t count = 0;
+    while (at != PM__NO_CHILD) {
+        const pm__grown_node *const node = &tree->nodes[at];
+        const float to_plane = position[pm__grown_axis(node)] - node->position[pm__grown_axis(node)];
+        const unsigned side = to_plane >= 0.0f;
+        if (fabsf(to_plane) <= radius)
+            count += visits(tree, pm__grown_child(node, !side), position, radius);
+        count++;
+        at = pm__grown_child(node, side);
+    }
+    return count;
+}
+
+/* The same uniform cube in random order and sorted along an axis: sorted, its cells are longer, so a radius that holds
+ * about 50 photons reaches more of them, but no more than SLOWER times as many. */
+START_TEST(sorted_photons_are_searched_nearly_as_fast)
+{
+    enum { COUNT = 60000, QUERIES = 2000, SLOWER = 4 };
+    const float radius = 0.058f; /* 4/3 pi r^3 COUNT = 49 */
+    size_t total[2] = {0, 0};
+    for (int sorted = 0; sorted < 2; sorted++) {
+        pm_map *const map = growing(1.0);
+        pm_error error;
+        for (size_t i = 0; i < COUNT; i++) {
+            const pm_photon photon = make_photon(sorted ? 5 : 0, i, COUNT);
+            PM_CHECK_OK(pm__growing_add(map, &photon, &error), error);
+        }
+        const pm__grown *const tree = pm__grown_of(map);
+        for (size_t i = 0; i < QUERIES; i++) {
+            const pm_photon at = make_photon(0, COUNT + i, COUNT);
+            total[sorted] += visits(tree, tree->root, at.position, radius);
+        }
+        pm_map_destroy(map);
+    }
+    ck_assert_msg(total[1] <= SLOWER * total[0], "%zu visits a query, %zu sorted", total[0] / QUERIES,
+                  total[1] / QUERIES);
+}
+END_TEST
+
 START_TEST(the_checker_sees_broken_trees)
 {
     pm_map *const map = growing(1.0);
@@ -205,4 +247,4 @@ START_TEST(what_cannot_grow_is_refused)
 END_TEST
 
 PM_TEST_MAIN("grown", maps_are_searched_while_they_grow, growing_and_creating_agree, no_order_grows_a_deep_tree,
-             the_checker_sees_broken_trees, what_cannot_grow_is_refused)
+             sorted_photons_are_searched_nearly_as_fast, the_checker_sees_broken_trees, what_cannot_grow_is_refused)
