@@ -103,6 +103,7 @@ static void configure(plan *p, const pm__settings *s, const pm_parallel *paralle
     c->random = s->order_random;
     c->samples = s->samples;
     c->seconds = s->seconds > 0.0 ? s->seconds : default_seconds;
+    c->memory = pm__free_memory();
     c->threads = s->threads;
     c->seed = s->seed;
     c->parallel = parallel;
