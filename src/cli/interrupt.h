@@ -13,7 +13,8 @@ void pm__interrupt_watch(void);
 
 bool pm__interrupted(void);
 
-/* Names a file (copied) that a signal which ends the process must not leave behind. The number to release it by; -1 for NULL, or where there is no room for one more. One thread. */
+/* Names a file (copied) that a signal which ends the process must not leave behind. The number to release it by; -1
+ * for NULL, or where there is no room for one more. One thread. */
 int pm__interrupt_hold(const char *path);
 
 /* The file is gone, or has its final name. -1 is allowed. */

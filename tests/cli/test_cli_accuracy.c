@@ -125,7 +125,8 @@ END_TEST
 START_TEST(seeds_share_their_probes)
 {
     static const char *const same[] = {"truth_mean", "predicted_rel_bias", "predicted_rel_noise"};
-#define SEED "accuracy --case sinusoid --estimator epanechnikov --trials 4 --probes 40 --photons 900 --k 20 --json - --seed "
+#define SEED "accuracy --case sinusoid --estimator epanechnikov --trials 4 --probes 40 --photons 900 --k 20 --json - " \
+             "--seed "
     json_t *const one = untimed_rows(SEED "1"), *const two = untimed_rows(SEED "2");
     ck_assert_uint_gt(json_array_size(one), 0);
     for (size_t i = 0; i < json_array_size(one); i++) {
@@ -425,5 +426,5 @@ START_TEST(terminals)
 END_TEST
 
 PM_TEST_MAIN("cli accuracy", json_has_the_contract, fixed_radius, a_volume_has_no_hull, threads_do_not_matter,
-             seeds_share_their_probes, lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted, interrupted_twice,
-             interrupted_at_a_pipe, interrupted_in_a_long_trial, more_than_memory_holds, terminals)
+             seeds_share_their_probes, lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted,
+             interrupted_twice, interrupted_at_a_pipe, interrupted_in_a_long_trial, more_than_memory_holds, terminals)
