@@ -67,12 +67,10 @@ static pm_status has_ratio(const pm__result_file *file, size_t index, bool *ther
  * ratio of its own. */
 static bool is_baseline(const pm__result_file *file, size_t index)
 {
-    const json_t *const row = json_array_get(file->rows, index), *const samples = json_object_get(row, "ratio_samples");
+    const json_t *const row = json_array_get(file->rows, index);
     const char *const baseline = json_string_value(json_object_get(row, "baseline"));
-    bool own = baseline && strcmp(baseline, json_string_value(json_object_get(row, "search"))) == 0;
-    for (size_t i = 0; i < json_array_size(samples) && own; i++)
-        own = !(json_number_value(json_array_get(samples, i)) != 1.0);
-    return own;
+    return baseline && strcmp(baseline, json_string_value(json_object_get(row, "search"))) == 0 &&
+           !(json_number_value(json_object_get(row, "ratio")) != 1.0);
 }
 
 static pm_status add_search(const pm__result_file *a, const pm__result_file *b, pm__comparison item,

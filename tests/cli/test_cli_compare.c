@@ -212,10 +212,10 @@ END_TEST
 /* A baseline's batches have a ratio of their own and are compared; its own row is 1 by definition and is not. */
 START_TEST(batches_of_the_baseline_are_compared)
 {
-#define OF_CGAL(batch, samples) "{\"search\":\"cgal\",\"case\":\"box\",\"photons\":9,\"batch\":" #batch \
-    ",\"baseline\":\"cgal\",\"ratio\":1,\"ratio_samples\":" samples "}"
+#define OF_CGAL(batch, median, samples) "{\"search\":\"cgal\",\"case\":\"box\",\"photons\":9,\"batch\":" #batch \
+    ",\"baseline\":\"cgal\",\"ratio\":" #median ",\"ratio_samples\":" samples "}"
     setup();
-    write_file("a.json", "search", OF_CGAL(1, "[1,1,1]") "," OF_CGAL(16, "[1.2,1,1.1]"));
+    write_file("a.json", "search", OF_CGAL(1, 1, "[1,1,1]") "," OF_CGAL(16, 1.1, "[1.2,1,1.1]"));
     json_t *const root = compare_json("a.json", "a.json", 0);
     ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 1);
     ck_assert_ptr_nonnull(strstr(text_of(root, 0, "row"), "batch=16"));
