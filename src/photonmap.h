@@ -249,8 +249,8 @@ PM_API const char *pm_estimator_name(const pm_estimator *estimator);
 /* How many maps it looks up in (1 but for `combined`). */
 PM_API size_t pm_estimator_maps(const pm_estimator *estimator);
 
-/* Grows as needed; max_k, photons of a lookup, only avoids the growth: 36 bytes each. EINVAL, ENOMEM; *workspace is NULL
- * then. */
+/* Grows as needed; max_k, photons of a lookup, only avoids the growth: 36 bytes each. EINVAL, ENOMEM; then
+ * *workspace is NULL. */
 PM_API pm_status pm_workspace_create(size_t max_k, pm_workspace **workspace);
 PM_API void pm_workspace_destroy(pm_workspace *workspace); /* NULL is allowed */
 
