@@ -2,6 +2,7 @@
 
 #include "../src/base/memory.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,18 +27,10 @@ static bool takes_part(const pm__search_config *config, const pm__contender *con
     return !is_brute(contender) || photons <= config->brute_limit;
 }
 
-/* Bytes that may be used without swapping: the kernel's own estimate, or plenty. */
-static double available_memory(void)
+/* Bytes that may be taken. */
+static double available_memory(const pm__search_config *config)
 {
-    FILE *const file = fopen("/proc/meminfo", "r");
-    char line[200];
-    double kilobytes = 1e12;
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "MemAvailable: %lf", &kilobytes) == 1)
-            break;
-    if (file)
-        (void)fclose(file);
-    return 1024.0 * kilobytes;
+    return config->memory > 0.0 ? config->memory : (double)INFINITY;
 }
 
 /* All that take part, and which of them is the baseline: `recursive`, or the first. */
@@ -63,7 +56,7 @@ static pm_status make_team(const pm__search_config *config, size_t photons, team
             t->slow = (long)t->count;
         t->members[t->count++] = *contender;
     }
-    t->together = (double)photons * (double)t->count * PM__INDEX_BYTES < 0.5 * available_memory();
+    t->together = (double)photons * (double)t->count * PM__INDEX_BYTES < 0.5 * available_memory(config);
     return PM_OK;
 }
 
@@ -261,7 +254,7 @@ static pm_status check_memory(const pm__search_config *config, size_t photons, c
 {
     const size_t point = sizeof(float[3]), drawn = config->given_name ? 0 : sizeof(pm_photon);
     const double a_photon = (double)(point + drawn + (t->count < 2 ? t->count : 2) * PM__INDEX_BYTES);
-    const double needed = (double)photons * a_photon, memory = available_memory();
+    const double needed = (double)photons * a_photon, memory = available_memory(config);
     if (needed <= memory)
         return PM_OK;
     return pm__fail(error, PM_ENOMEM, "%zu photons and two indices of them take %.3g GB of memory; %.3g GB are free",

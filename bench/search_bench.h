@@ -40,6 +40,7 @@ typedef struct pm__search_config {
 
     size_t samples; /* rounds of the harness; 0: as many as the time allows */
     double seconds; /* for all, more or less: builds and the fewest rounds are done all the same */
+    double memory;  /* bytes that it may take; 0: as many as it wants */
     size_t threads; /* of builds; queries run on one */
     uint64_t seed;
     const pm_parallel *parallel;

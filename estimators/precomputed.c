@@ -11,7 +11,7 @@ enum { FRACTION, WHEN, FORM };
 enum { PRINTED, UNBIASED };
 
 static const pm__param params[] = {
-    {"fraction", PM__REAL, 0.25, 1e-6, 1, "", NULL, "of the photons that carry an estimate: the first of the tree"},
+    {"fraction", PM__REAL, 0.25, 1e-6, 1, "", NULL, "of the photons that carry an estimate: every so many"},
     {"when", PM__CHOICE, 0, 0, 0, "", "eager|demand", "all beforehand, or each when it is first asked for"},
     {"form", PM__CHOICE, PRINTED, 0, 0, "", "printed|unbiased",
      "printed counts all n photons, mean n/(n-2) at a photon; unbiased leaves out itself and the farthest: right at "

@@ -221,7 +221,8 @@ PM_API pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries,
                                      pm_neighbor *neighbors, size_t stride, size_t *counts);
 
 /* All photons within max_radius, any number of them, handed over in blocks of up to 1024 in no particular order; k is
- * not looked at. deliver returns false to stop. */
+ * not looked at. deliver returns false to stop, which is no error; its array is valid for the call only. EINVAL as for
+ * pm_map_search. */
 typedef bool (*pm_deliver)(void *context, const pm_neighbor *neighbors, size_t count);
 PM_API pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm_deliver deliver, void *context);
 
@@ -237,7 +238,8 @@ typedef struct pm_estimator pm_estimator;     /* an estimator with its parameter
 typedef struct pm_workspace pm_workspace;     /* buffers for one thread */
 typedef struct pm_precomputed pm_precomputed; /* estimates stored at photons: [C02] 5.4 */
 
-/* spec: NAME[:key=value[,key=value...]], as `photonbench list estimators` shows them. ENAME, EINVAL. */
+/* spec: NAME[:key=value[,key=value...]], as `photonbench list estimators` shows them; borrowed for the call. ENAME,
+ * EINVAL, ENOMEM. On error *estimator is NULL. */
 PM_API pm_status pm_estimator_create(const char *spec, pm_estimator **estimator, pm_error *error);
 PM_API void pm_estimator_destroy(pm_estimator *estimator); /* NULL is allowed */
 
@@ -247,7 +249,8 @@ PM_API const char *pm_estimator_name(const pm_estimator *estimator);
 /* How many maps it looks up in (1 but for `combined`). */
 PM_API size_t pm_estimator_maps(const pm_estimator *estimator);
 
-/* Grows as needed; max_k only avoids the growth. */
+/* Grows as needed; max_k, photons of a lookup, only avoids the growth: 36 bytes each. EINVAL, ENOMEM; then
+ * *workspace is NULL. */
 PM_API pm_status pm_workspace_create(size_t max_k, pm_workspace **workspace);
 PM_API void pm_workspace_destroy(pm_workspace *workspace); /* NULL is allowed */
 
@@ -289,7 +292,8 @@ typedef struct pm_precomputed_options {
 
 /* Estimates for the photons that carry one: a `fraction` of them, spread evenly ([C02] 5.4.1), computed now
  * (`when=eager`) or when first asked for (`when=demand`, safe from several threads, every thread gets the
- * same value). estimator: of type `precomputed`. The map must outlive it. */
+ * same value). estimator: of type `precomputed`; it is copied. The map must outlive the result. EINVAL, ENOMEM; then
+ * *precomputed is NULL. Cost: a map of those photons, and with `when=eager` an estimate at each. */
 PM_API pm_status pm_precomputed_create(const pm_estimator *estimator, const pm_map *map,
                                        const pm_precomputed_options *options,
                                        pm_precomputed **precomputed, pm_error *error);
@@ -316,7 +320,8 @@ typedef struct pm_surface_point {
 /* Queries: x y z, nx ny nz (made unit). As above. */
 PM_API pm_status pm_ply_read_points(const char *path, pm_surface_point **points, size_t *count, pm_error *error);
 
-/* Binary little-endian; a temporary name and a rename, so that the file is complete or absent. */
+/* Binary little-endian; a temporary name and a rename, so that the file is complete or absent. EINVAL,
+ * EIO, ENOMEM. */
 PM_API pm_status pm_ply_write_photons(const char *path, const pm_photon *photons, size_t count, pm_error *error);
 
 PM_API void pm_free(void *memory); /* NULL is allowed */

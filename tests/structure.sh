@@ -55,5 +55,11 @@ if grep -nE '\b(printf|puts|putchar|perror|exit|abort|pthread_create)\(|\bstd(ou
     src/base/*.c src/map/*.c src/search/*.c src/lookup/*.c estimators/*.c; then
     fail "the library prints, exits or starts threads"
 fi
+
+# Files read alike whatever the locale of the program that links the library: no locale with a decimal comma need be
+# installed here to try it, so the call is looked for.
+if grep -nE '\b(strtod|strtof|atof|scanf)\(' src/map/*.c src/search/*.c src/lookup/*.c estimators/*.c; then
+    fail "a number is read in the caller's locale: strtod_l takes one of its own"
+fi
 [ $status = 0 ] && echo "structure: includes, lists and sizes hold"
 exit $status

@@ -33,7 +33,7 @@ typedef struct pm__accuracy_config {
     size_t probes_region;
     const char *search;   /* name; NULL: the fastest */
     pm__shape lookup;
-    uint64_t seed;
+    uint64_t seed;        /* of photons and how they are dealt; probes are the same for all seeds */
     bool timing;          /* measure ns_per_query and cost_s, on one thread; off: they are NAN */
     const pm_parallel *parallel; /* NULL: serial */
     size_t threads;       /* how many trials `parallel` runs at once, each with maps of its own; 0 counts as 1 */

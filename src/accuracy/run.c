@@ -104,6 +104,9 @@ static pm_status check_config(const pm__accuracy_config *c, pm_error *error)
         return pm__fail(error, PM_EINVAL, "no probes");
     if (c->search && !pm_search_find(c->search))
         return pm__fail(error, PM_ENAME, "unknown search '%s'", c->search);
+    if (c->search && c->k_count && pm_search_find(c->search)->radius_only)
+        return pm__fail(error, PM_EINVAL, "--search %s finds all within a fixed radius: it needs --radius without --k",
+                        c->search);
     for (size_t i = 0; i < c->k_count; i++)
         if (!c->ks[i])
             return pm__fail(error, PM_EINVAL, "k = 0: an estimate needs at least 1 photon");

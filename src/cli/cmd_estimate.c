@@ -129,6 +129,7 @@ static void configure(const pm__settings *s, const pm_parallel *parallel, pm__es
 static pm_status work(const pm__settings *s, pm__estimate *e, double start, pm_error *error)
 {
     pm__sinks sinks;
+    pm__interrupt_watch(); /* reading, which asks nothing, a signal may end at once */
     pm_status status = pm__sinks_open(s, false, &sinks, error);
     if (status != PM_OK)
         return status;
@@ -151,7 +152,6 @@ static int run(pm__settings *settings)
     pm_status status = fill_defaults(settings, &error);
     int exit_status = pm__exit_status(status);
     if (status == PM_OK) {
-        pm__interrupt_watch();
         configure(settings, &parallel, &estimate);
         status = pm__estimate_check(&estimate, &error);
         exit_status = pm__exit_status(status);

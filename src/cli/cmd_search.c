@@ -103,6 +103,7 @@ static void configure(plan *p, const pm__settings *s, const pm_parallel *paralle
     c->random = s->order_random;
     c->samples = s->samples;
     c->seconds = s->seconds > 0.0 ? s->seconds : default_seconds;
+    c->memory = pm__free_memory();
     c->threads = s->threads;
     c->seed = s->seed;
     c->parallel = parallel;
@@ -132,6 +133,14 @@ static bool all_held(const pm__search_row *rows, size_t count)
     return true;
 }
 
+/* A combination that a search cannot do has no row, which must not pass for a result. */
+static void say_why_empty(const pm__settings *s, size_t count)
+{
+    if (!count && !s->quiet)
+        pm__complain("search", "no rows: none of the searches asked for can do any of this ('grid' needs --radius, "
+                               "peers know plain spheres only)");
+}
+
 /* Runs and writes what came out. Interrupted: the runs that were complete. */
 static pm_status measure(plan *p, const pm__settings *s, pm__sinks *sinks, bool *held, pm_error *error)
 {
@@ -147,6 +156,8 @@ static pm_status measure(plan *p, const pm__settings *s, pm__sinks *sinks, bool 
             pm__search_print(pm__sinks_screen(sinks), rows, count);
         const pm_status written = pm__search_write(s, &p->config, rows, count, pm__now() - start,
                                                    status == PM_ECANCELED, sinks, error);
+        if (status == PM_OK)
+            say_why_empty(s, count);
         status = written ? written : status;
     } else {
         pm__sinks_discard(sinks);

@@ -22,7 +22,7 @@ static const key search_keys[] = {{"search", true, true},   {"case", true, true}
 static const key accuracy_keys[] = {{"case", true, true},     {"region", true, true},  {"estimator", true, true},
                                     {"kind", true, false},    {"k", false, false},     {"radius", false, false},
                                     {"lookup", true, false},  {"front", true, false},  {"photons", false, true},
-                                    {"sampler", true, false}};
+                                    {"sampler", true, false}, {"probes", false, false}};
 
 typedef struct subject {
     const char *command;

@@ -63,12 +63,14 @@ static pm_status has_ratio(const pm__result_file *file, size_t index, bool *ther
     return status;
 }
 
-/* Is this the baseline's own row, whose ratio is 1 by definition? */
+/* Is this the baseline's own row, whose ratio is 1 by definition? The same search in batches, or behind a filter, has a
+ * ratio of its own. */
 static bool is_baseline(const pm__result_file *file, size_t index)
 {
     const json_t *const row = json_array_get(file->rows, index);
     const char *const baseline = json_string_value(json_object_get(row, "baseline"));
-    return baseline && strcmp(baseline, json_string_value(json_object_get(row, "search"))) == 0;
+    return baseline && strcmp(baseline, json_string_value(json_object_get(row, "search"))) == 0 &&
+           !(json_number_value(json_object_get(row, "ratio")) != 1.0);
 }
 
 static pm_status add_search(const pm__result_file *a, const pm__result_file *b, pm__comparison item,

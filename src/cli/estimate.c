@@ -44,6 +44,9 @@ pm_status pm__estimate_check(const pm__estimate *e, pm_error *error)
                         "--estimator %s: deal=separate wants maps drawn separately, and a photon file is one "
                         "map; deal=random or deal=roundrobin divide it",
                         estimator->entry.name);
+    if (e->lookup.k && e->lookup.search->radius_only)
+        return pm__fail(error, PM_EINVAL, "--search %s finds all within a fixed radius: it needs --radius without --k",
+                        e->lookup.search->entry.name);
     if (e->lookup.k && e->lookup.k < least)
         return pm__fail(error, PM_EINVAL, "--k %zu is too few for --estimator %s, which needs at least %zu",
                         e->lookup.k, estimator->entry.name, least);

@@ -15,7 +15,6 @@ static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
 enum { SIGNALS = sizeof signals / sizeof *signals };
 
 static atomic_bool interrupted;
-static bool watched;
 
 /* Copies, so that the handler reads nothing that its owner may be freeing. */
 static char held[MOST_HELD][PATH_MAX];
@@ -48,9 +47,13 @@ static void handle(void (*handler)(int number))
     }
 }
 
+void pm__interrupt_obey(void)
+{
+    handle(end);
+}
+
 void pm__interrupt_watch(void)
 {
-    watched = true;
     handle(note);
 }
 
@@ -63,8 +66,6 @@ int pm__interrupt_hold(const char *path)
 {
     if (!path || strlen(path) >= PATH_MAX)
         return -1;
-    if (!watched)
-        handle(end);
     for (int i = 0; i < MOST_HELD; i++)
         if (!atomic_load(&is_held[i])) {
             memcpy(held[i], path, strlen(path) + 1);

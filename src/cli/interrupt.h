@@ -4,14 +4,17 @@
 
 #include <stdbool.h>
 
-/* From now on the first such signal only sets a flag; a second one removes what pm__interrupt_hold named and ends the
- * process at once, with PM__EXIT_INTERRUPTED. A signal that the process was started to ignore stays ignored. */
+/* From now on such a signal removes what pm__interrupt_hold named and ends the process at once, with
+ * PM__EXIT_INTERRUPTED. A signal that the process was started to ignore stays ignored, here and below. */
+void pm__interrupt_obey(void);
+
+/* From now on the first such signal only sets a flag; a second one ends the process as above. */
 void pm__interrupt_watch(void);
 
 bool pm__interrupted(void);
 
-/* Names a file (copied) that a signal which ends the process must not leave behind, watched for or not. The number
- * to release it by; -1 for NULL, or where there is no room for one more. One thread. */
+/* Names a file (copied) that a signal which ends the process must not leave behind. The number to release it by; -1
+ * for NULL, or where there is no room for one more. One thread. */
 int pm__interrupt_hold(const char *path);
 
 /* The file is gone, or has its final name. -1 is allowed. */

@@ -1,5 +1,6 @@
 /* photonbench: dispatch. */
 #include "commands.h"
+#include "interrupt.h"
 #include "version.h"
 
 #include <fcntl.h>
@@ -49,6 +50,7 @@ static int refuse(const char *name, const char *nearest)
 int main(int argc, char **argv)
 {
     occupy_standard_files();
+    pm__interrupt_obey();
     const char *const name = argc > 1 ? argv[1] : NULL;
     if (!name) {
         pm__help_overview(stderr);

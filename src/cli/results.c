@@ -6,6 +6,14 @@
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* What is there and no regular file is written in place. To open it may take as long as a pipe has no reader. */
+static bool is_in_place(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+}
 
 static pm_status open_sink(const char *path, pm__sink *sink, pm_error *error)
 {
@@ -14,6 +22,8 @@ static pm_status open_sink(const char *path, pm__sink *sink, pm_error *error)
     sink->held = -1;
     if (!path || sink->is_stdout)
         return PM_OK;
+    if (is_in_place(path))
+        return pm__output_open(path, &sink->output, error);
     pm__interrupt_block();
     const pm_status status = pm__output_open(path, &sink->output, error);
     if (status == PM_OK)

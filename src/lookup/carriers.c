@@ -21,7 +21,8 @@ static pm_status fill(pm__carriers *c, const pm_map *map, const float (*normals)
         if (c->normals)
             memcpy(c->normals[i], normals[source], sizeof c->normals[i]);
     }
-    const pm_map_options options = {.parallel = parallel, .search = map->search};
+    /* The nearest carrier is asked for, whatever the radius of the estimates. */
+    const pm_map_options options = {.parallel = parallel, .search = map->search->radius_only ? NULL : map->search};
     return pm_map_create(photons, c->count, &options, &c->map, NULL);
 }
 
@@ -70,6 +71,7 @@ pm_status pm__nearest_carrier(const pm__carriers *carriers, const pm_query *quer
         pm_query nearest = *query;
         nearest.k = k;
         nearest.sorted = true;
+        nearest.search = NULL; /* the carriers' map has its own */
         size_t found = 0;
         pm_status status = pm__workspace_reserve_neighbors(workspace, k < carriers->count ? k : carriers->count);
         if (status == PM_OK)

@@ -37,6 +37,9 @@ pm_status pm__ply_input_open(const char *path, pm__ply_input *input, pm_error *e
     if (!input->file)
         return io_error(input, errno, error);
     number = examine(input);
+    input->locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (!number && !input->locale)
+        number = ENOMEM;
     if (!number && !(input->buffer = malloc(BUFFER + 1)))
         number = ENOMEM;
     if (!number) {
@@ -52,8 +55,11 @@ void pm__ply_input_close(pm__ply_input *input)
 {
     if (input->file)
         (void)fclose(input->file);
+    if (input->locale)
+        freelocale(input->locale);
     free(input->buffer);
     input->file = NULL;
+    input->locale = (locale_t)0;
     input->buffer = NULL;
 }
 
@@ -164,7 +170,7 @@ bool pm__ply_number(pm__ply_input *input, bool across_lines, double *value)
     char *end = start;
     /* strtod skips more kinds of white space than a PLY file may hold. */
     if (input->at < input->end && (unsigned char)*start > ' ')
-        *value = strtod(start, &end);
+        *value = strtod_l(start, &end, input->locale);
     const size_t length = (size_t)(end - start);
     if (length == 0 || length >= PM__PLY_TOKEN || !(is_blank(*end) || *end == '\n' || *end == '\0'))
         return false;

@@ -5,12 +5,14 @@
 #include "../base/quote.h"
 #include "../base/status.h"
 
+#include <locale.h>
 #include <stdio.h>
 
 enum { PM__PLY_LINE = 4096, PM__PLY_TOKEN = 4096 };
 
 typedef struct pm__ply_input {
     FILE *file;
+    locale_t locale; /* numbers are written as in C, whatever the caller's locale is */
     char *buffer;    /* a NUL stands behind the last byte */
     size_t at, end;  /* the unread part of the buffer */
     uint64_t offset; /* in the file, of buffer[0] */

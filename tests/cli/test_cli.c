@@ -143,6 +143,8 @@ static const struct {
     {"accuracy --case square --sampler stratified --photons 88 --k 88 --trials 1000000 --estimator "
      "combined:deal=separate",
      "--k 88 asks each map of --estimator combined:deal=separate for 22 photons; it has the 20 that"},
+    {"accuracy --case square --search grid", "--search grid finds all within a fixed radius"},
+    {"accuracy --case square --search grid --radius 0.1 --k 5", "--search grid finds all within a fixed radius"},
     {"accuracy --json - --csv -", "--json and --csv both write to '-'"},
     {"estimate --queries q.ply", "--photons FILE is needed"},
     {"estimate --photons p.ply", "--queries FILE is needed"},
@@ -150,6 +152,7 @@ static const struct {
     {"estimate --photons p.ply --queries q.ply --estimator oracle", "needs the truth"},
     {"estimate --photons p.ply --queries q.ply --estimator combined:deal=separate", "deal=separate wants"},
     {"estimate --photons p.ply --queries q.ply --estimator hull --k 2", "--k 2 is too few"},
+    {"estimate --photons p.ply --queries q.ply --search grid", "--search grid finds all within a fixed radius"},
     {"estimate --photons p.ply --queries q.ply --trials 5", "unknown option '--trials'"},
 };
 

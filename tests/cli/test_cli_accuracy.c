@@ -120,6 +120,28 @@ START_TEST(threads_do_not_matter)
 }
 END_TEST
 
+/* What a row is about must not move with the seed, or runs of two seeds would differ by more than their intervals
+ * say. Theory is exact at the probes, so its means tell whether they are the same. */
+START_TEST(seeds_share_their_probes)
+{
+    static const char *const same[] = {"truth_mean", "predicted_rel_bias", "predicted_rel_noise"};
+#define SEED "accuracy --case sinusoid --estimator epanechnikov --trials 4 --probes 40 --photons 900 --k 20 --json - " \
+             "--seed "
+    json_t *const one = untimed_rows(SEED "1"), *const two = untimed_rows(SEED "2");
+    ck_assert_uint_gt(json_array_size(one), 0);
+    for (size_t i = 0; i < json_array_size(one); i++) {
+        json_t *const a = json_array_get(one, i), *const b = json_array_get(two, i);
+        for (size_t f = 0; f < sizeof same / sizeof *same; f++) {
+            ck_assert(json_is_real(json_object_get(a, same[f])));
+            ck_assert(json_equal(json_object_get(a, same[f]), json_object_get(b, same[f])));
+        }
+        ck_assert(!json_equal(json_object_get(a, "rel_bias"), json_object_get(b, "rel_bias")));
+    }
+    json_decref(one);
+    json_decref(two);
+}
+END_TEST
+
 START_TEST(lists_in_any_form)
 {
     json_t *const commas = untimed_rows("accuracy --case square --estimator disc:last=none,cone,k=2 " SMALL "--json -");
@@ -286,6 +308,28 @@ START_TEST(interrupted_twice)
 }
 END_TEST
 
+/* A pipe that nobody has opened at its other end must not hold the program against a signal. */
+START_TEST(interrupted_at_a_pipe)
+{
+    static const char *const forms[] = {"list --json %s", "compare %s b.json", "estimate --photons %s --queries q.ply",
+                                        "search --input %s"};
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        const pm__test_directory place = pm__test_directory_create();
+        char fifo[PM__TEST_PATH], out[PM__TEST_PATH], err[PM__TEST_PATH], arguments[2 * PM__TEST_PATH];
+        ck_assert_int_eq(mkfifo(pm__test_path(&place, "pipe", fifo), 0600), 0);
+        (void)pm__test_path(&place, "out", out);
+        (void)pm__test_path(&place, "err", err);
+        (void)snprintf(arguments, sizeof arguments, forms[i], fifo);
+        const pid_t child = pm__start(arguments, out, err);
+        pause_ms(500);
+        ck_assert_int_eq(waitpid(child, NULL, WNOHANG), 0);
+        ck_assert_int_eq(kill(child, SIGINT), 0);
+        ck_assert_int_eq(pm__wait(child), 130);
+        pm__test_directory_remove(&place);
+    }
+}
+END_TEST
+
 /* Not even a single trial that takes minutes keeps the program from stopping. */
 START_TEST(interrupted_in_a_long_trial)
 {
@@ -382,5 +426,5 @@ START_TEST(terminals)
 END_TEST
 
 PM_TEST_MAIN("cli accuracy", json_has_the_contract, fixed_radius, a_volume_has_no_hull, threads_do_not_matter,
-             lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted, interrupted_twice,
-             interrupted_in_a_long_trial, more_than_memory_holds, terminals)
+             seeds_share_their_probes, lists_in_any_form, csv_and_markdown, tables, quiet_and_files, interrupted,
+             interrupted_twice, interrupted_at_a_pipe, interrupted_in_a_long_trial, more_than_memory_holds, terminals)

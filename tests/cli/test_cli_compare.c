@@ -192,6 +192,38 @@ START_TEST(rows_in_one_file_only)
 }
 END_TEST
 
+/* A mean over other probes is another quantity. */
+START_TEST(other_probes_are_other_rows)
+{
+#define PROBED "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"disc\",\"photons\":9,\"probes\":"
+    setup();
+    write_file("a.json", "accuracy", PROBED "2048}");
+    write_file("b.json", "accuracy", PROBED "512}");
+    json_t *const root = compare_json("a.json", "b.json", 0);
+    ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 2);
+    ck_assert_str_eq(text_of(root, 0, "verdict"), "only in A");
+    ck_assert_ptr_nonnull(strstr(text_of(root, 0, "row"), "probes=2048"));
+    ck_assert_str_eq(text_of(root, 1, "verdict"), "only in B");
+    json_decref(root);
+    teardown();
+}
+END_TEST
+
+/* A baseline's batches have a ratio of their own and are compared; its own row is 1 by definition and is not. */
+START_TEST(batches_of_the_baseline_are_compared)
+{
+#define OF_CGAL(batch, median, samples) "{\"search\":\"cgal\",\"case\":\"box\",\"photons\":9,\"batch\":" #batch \
+    ",\"baseline\":\"cgal\",\"ratio\":" #median ",\"ratio_samples\":" samples "}"
+    setup();
+    write_file("a.json", "search", OF_CGAL(1, 1, "[1,1,1]") "," OF_CGAL(16, 1.1, "[1.2,1,1.1]"));
+    json_t *const root = compare_json("a.json", "a.json", 0);
+    ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 1);
+    ck_assert_ptr_nonnull(strstr(text_of(root, 0, "row"), "batch=16"));
+    json_decref(root);
+    teardown();
+}
+END_TEST
+
 START_TEST(losing_exactness_is_a_regression)
 {
     setup();
@@ -394,5 +426,6 @@ START_TEST(usage_and_help)
 END_TEST
 
 PM_TEST_MAIN("cli compare", identical_files_do_not_differ, planted_search_changes, small_changes_are_tolerated,
-             rows_in_one_file_only, losing_exactness_is_a_regression, planted_accuracy_changes, hostile_files,
-             hostile_rows, hostile_accuracy_rows, foreign_text_is_made_printable, usage_and_help)
+             rows_in_one_file_only, other_probes_are_other_rows, batches_of_the_baseline_are_compared,
+             losing_exactness_is_a_regression, planted_accuracy_changes, hostile_files, hostile_rows,
+             hostile_accuracy_rows, foreign_text_is_made_printable, usage_and_help)

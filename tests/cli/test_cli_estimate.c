@@ -276,7 +276,8 @@ static void write_hole(const char *name, const char *header, long count, long re
 /* Files that are sound but do not fit are refused before they are read, not read until the system kills the program. */
 START_TEST(more_than_memory_holds)
 {
-    static const char *const photon_rests[] = {"", "--estimator precomputed", "--estimator combined --search grid"};
+    static const char *const photon_rests[] = {"", "--estimator precomputed",
+                                                "--estimator combined --search grid --radius 1"};
     write_hole("holes.ply", photon_header, 1000000000, 36);
     write_hole("queries.ply", query_header, 1000000000, 24);
     const time_t start = time(NULL);

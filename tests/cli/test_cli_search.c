@@ -141,6 +141,7 @@ START_TEST(test_refusals)
     (void)pm__expect("search --input a.ply --photons 5", 2, "--photons");
     (void)pm__expect("search --input /nonexistent.ply", 3, "/nonexistent.ply");
     (void)pm__expect("search --photons 10,1000000000 --samples 1", 4, "GB are free");
+    (void)pm__expect("search --photons 50 --samples 1 --search grid", 0, "no rows: none of the searches asked for");
     (void)pm__expect("search --photons 50 --search brute --samples 1 --quiet --json /dev/full -o /dev/null", 4, "full");
 }
 END_TEST

@@ -241,6 +241,41 @@ START_TEST(empty_maps_among_others)
 }
 END_TEST
 
+/* Which search answers never shows in an estimate that is stored at photons: not where it knows fixed radii only, nor
+ * where the map was made for another first. */
+START_TEST(stored_estimates_with_any_search)
+{
+    pm_estimator *estimator = NULL;
+    pm_query query;
+    pm_query_init(&query);
+    query.position[0] = query.position[1] = 0.4f;
+    query.k = 0;
+    query.max_radius = 0.1f;
+    pm_estimation plain, other;
+    draw();
+    ck_assert_int_eq(pm_estimator_create("precomputed", &estimator, NULL), PM_OK);
+    for (int own = 0; own < 2; own++) { /* the map's own search, or one of the query's */
+        static const char *const searches[] = {"recursive", "grid"};
+        for (size_t s = 0; s < 2; s++) {
+            const pm_search *const search = pm_search_find(searches[s]);
+            const pm_map_options options = {.search = own ? search : pm_search_find("iterative")};
+            pm_map *map = NULL;
+            ck_assert_int_eq(pm_map_create(photons, COUNT, &options, &map, NULL), PM_OK);
+            ck_assert_int_eq(pm_map_prepare(map, search, NULL, NULL), PM_OK);
+            query.search = NULL;
+            ck_assert_int_eq(estimate("precomputed", photons, COUNT, query.position, 0, 0.1, 2, &plain), PM_OK);
+            query.search = own ? NULL : search;
+            ck_assert_int_eq(estimate_with(estimator, &map, &query, 2, &other), PM_OK);
+            ck_assert_uint_gt(other.count, 0);
+            ck_assert_uint_eq(other.count, plain.count);
+            PM_CHECK_NEAR(other.value[0], plain.value[0], 1e-12 * plain.value[0]);
+            pm_map_destroy(map);
+        }
+    }
+    pm_estimator_destroy(estimator);
+}
+END_TEST
+
 START_TEST(absurd_requests)
 {
     pm_estimation result, all;
@@ -348,4 +383,4 @@ START_TEST(threads_share_a_map)
 END_TEST
 
 PM_TEST_MAIN("lookup", scales_exactly, hopeless_clouds, negative_powers, no_handles, empty_maps_among_others,
-             absurd_requests, threads_share_a_map)
+             stored_estimates_with_any_search, absurd_requests, threads_share_a_map)
