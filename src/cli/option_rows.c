@@ -11,7 +11,7 @@ enum { MAX_TRIALS = 10000000, MAX_PROBES = 10000000, MAX_THREADS = 4096 };
 
 static pm_status set_case(pm__settings *s, const char *text, pm_error *error)
 {
-    return pm__parse_specs(&pm__cases, text, &s->cases, error);
+    return pm__parse_specs(&pm__all_cases, text, &s->cases, error);
 }
 
 static pm_status set_estimator(pm__settings *s, const char *text, pm_error *error)

@@ -1,7 +1,7 @@
-/* Scenes: shapes with materials, lights, a camera. Built in code; fit for an importer, since everything goes in by these
+/* Scenes: shapes with materials, and lights. Built in code; fit for an importer, since everything goes in by these
  * calls. Rays are answered by Embree; exact shapes are solved in double, so that truths hold to rounding.
  *
- * create -> materials, shapes, lights, camera -> commit -> rays, from any number of threads -> destroy.
+ * create -> materials, shapes, lights -> commit -> rays, from any number of threads -> destroy.
  * Adding calls return EINVAL (error names the shape and what is wrong: not finite, degenerate, an unknown material) or
  * ENOMEM. Lengths in m. */
 #ifndef PM_SCENE_SCENE_H
@@ -60,10 +60,11 @@ typedef struct pm__hit {
     const pm__material *material;
 } pm__hit;
 
-enum { PM__NO_SHAPE = 0xffffffff };
+#define PM__NO_SHAPE UINT32_MAX
 
-/* The first surface that the ray meets within `reach`. direction: unit. from: the shape that it starts on, or PM__NO_SHAPE:
- * that shape is not met again within rounding of the origin, but may be met farther on (a sphere from inside). */
+/* The first surface that the ray meets within `reach`. direction: unit. from: the shape that it starts on, or
+ * PM__NO_SHAPE: that shape is not met again within rounding of the origin, but may be met farther on (a sphere from
+ * inside). */
 bool pm__scene_intersect(const pm__scene *scene, const double origin[3], const double direction[3], double reach,
                          uint32_t from, pm__hit *hit);
 
