@@ -12,7 +12,9 @@
  * The wall is open where x < -SLOT, so that the light hangs free of it. That darkens only what lies by the opening:
  * light of |phi| > (pi - acos(SLOT)) / 2, whose chords are short.
  * Power. All that lands within the circle after one reflection:
- *     I integral dphi [h / sqrt(h^2 + 4 cos^2 phi) - h / sqrt(h^2 + 16 cos^2 phi)]. */
+ *     I integral dphi [h / sqrt(h^2 + 4 cos^2 phi) - h / sqrt(h^2 + 16 cos^2 phi)].
+ * Theory. The same integral between t1 and t2, I dphi [h / sqrt(h^2 + t1^2) - h / sqrt(h^2 + t2^2)], falls on a chord
+ * of the ray of phi. */
 #include "scene_case.h"
 
 static const double pi = 3.14159265358979323846, slot = 0.999, intensity = 1.0; /* -, W/sr */
@@ -81,6 +83,37 @@ static double truth(const double *values, const pm__probe *point)
     return intensity * sum;
 }
 
+typedef struct disc {
+    const double *at;
+    double h;
+} disc;
+
+static double sheet_miss(const void *context, double phi, double *slope)
+{
+    const double *const at = ((const disc *)context)->at;
+    *slope = 3.0 * (at[0] * cos(3.0 * phi) + at[1] * sin(3.0 * phi)) - cos(phi);
+    return miss(at, phi);
+}
+
+static double strip(const void *context, double phi, double half)
+{
+    const disc *const d = context;
+    const double s = (cos(2.0 * phi) - d->at[0]) * cos(3.0 * phi) + (sin(2.0 * phi) - d->at[1]) * sin(3.0 * phi);
+    const double near = 2.0 * cos(phi) + s - half, far = near + 2.0 * half, h = d->h;
+    /* h / hypot(h, near) - h / hypot(h, far), without its cancellation */
+    const double a = hypot(h, near), b = hypot(h, far);
+    return intensity * h * 2.0 * half * (near + far) / (a * b * (a + b));
+}
+
+static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+{
+    const disc d = {point->position, values[0]};
+    const pm__sheets sheets = {sheet_miss, strip, -widest(), widest()};
+    if (!pm__accepts_down(point, shape))
+        return 0.0;
+    return hypot(d.at[0], d.at[1]) + r1 < 1.0 ? pm__mass_sheets(&sheets, &d, r0, r1) : NAN;
+}
+
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 {
     const pm__material mirror = {.kind = PM__MIRROR, .specular = {1, 1, 1}};
@@ -117,5 +150,6 @@ const pm__case pm__case_scene_cardioid = {
     .power = power,
     .probe = probe,
     .truth = truth,
+    .mass = mass,
     .build = build,
 };

@@ -13,8 +13,12 @@
  * Roots are sought of (rho -+ r) cos delta, which has no pole. On the axis the paraxial rays have the limit
  * T^2 / rho'(0)^2; other rays that cross the axis there (d below the paraxial focus n / (2 (n - 1))) make E infinite.
  * Fold: at the largest rho, if that is above 0.
+ * Theory. Beyond 1.2 times the paraxial focus -rho increases with i, so a single sheet is smooth there, axis and all:
+ * one Newton root for each point of a quadrature. Nearer no formula is given.
  * Power. The floor is a disc that catches rays up to rho = -4 m: the integral of 2 pi E0 T^2 sin i cos i over them. */
 #include "scene_case.h"
+
+#include "../../src/base/geometry.h"
 
 static const double pi = 3.14159265358979323846, floor_radius = 4.0, beam = 1.0; /* m, W/m2 */
 
@@ -156,6 +160,45 @@ static double truth(const double *values, const pm__probe *point)
     return beam * sum;
 }
 
+/* Signed distance on the far side of the axis, less the target's, where -rho increases. */
+static double beyond(const void *context, double i, double *rise)
+{
+    const target *const at = context;
+    const passage p = pass(at->values, i);
+    *rise = -slope(at->values, &p);
+    return -(sin(p.phi) - (cos(p.phi) + at->values[D]) * tan(p.delta)) - at->rho;
+}
+
+typedef struct disc {
+    const double *values;
+    double rho, last, rise; /* of the middle; the largest i; -rho'(0) */
+} disc;
+
+static double around(const void *context, double r, double cosine)
+{
+    const disc *const d = context;
+    const double far2 = d->rho * d->rho + r * r + 2.0 * d->rho * r * cosine;
+    const target at = {d->values, sqrt(fmax(far2, 1e-11))}; /* as in truth */
+    const double guess = fmin(at.rho / d->rise, 0.5 * d->last);
+    const double i = pm__increasing_root(beyond, &at, 0.0, d->last, guess);
+    const passage p = pass(d->values, i);
+    return beam * carried(d->values, i) / (at.rho * fabs(slope(d->values, &p)));
+}
+
+static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+{
+    const double n = values[IOR], focus = 0.5 * n / (n - 1.0), rho = hypot(point->position[0], point->position[1]);
+    if (!pm__accepts_down(point, shape))
+        return 0.0;
+    if (values[D] <= 1.2 * focus || rho + r1 > 0.9 * floor_radius)
+        return NAN;
+    /* delta = pi / 2 there: tan i (1 - sqrt(2) / n) = 1 */
+    const double end = n > sqrt(2.0) ? atan(1.0 / (1.0 - sqrt(2.0) / n)) : 0.5 * pi;
+    const passage middle = pass(values, 0.0);
+    const disc d = {values, rho, end * (1.0 - 1e-9), -slope(values, &middle)};
+    return pm__mass_even(around, &d, r0, r1);
+}
+
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 {
     const double n = values[IOR], down[3] = {0, 0, -values[D]}, up[3] = {0, 0, 1}, origin[3] = {0, 0, 0};
@@ -189,5 +232,6 @@ const pm__case pm__case_scene_glass_sphere = {
     .power = power,
     .probe = probe,
     .truth = truth,
+    .mass = mass,
     .build = build,
 };

@@ -14,7 +14,9 @@
  * light lands; else in the mirror, and only light from below 2 cos th tan a lands first. With integral of cos^2
  * from pi / 6 to pi / 2 = pi / 6 - sqrt(3) / 8:
  *     E0 (height cos a + 4 sin a (pi / 6 - sqrt(3) / 8)).
- * The floor reaches as far as light can land. */
+ * The floor reaches as far as light can land.
+ * Theory. Ef cos th dth ds is what falls on dth ds, so on a chord of the reflected ray falls Ef cos th times its
+ * length. Rays land in all of a disc that lies within the circle and, where x < 0, between y = -1 and 1. */
 #include "scene_case.h"
 
 static const double pi = 3.14159265358979323846, beam = 1.0; /* W/m2 */
@@ -88,6 +90,37 @@ static double truth(const double *values, const pm__probe *point)
     return beam * sin(a) * sum;
 }
 
+typedef struct disc {
+    const double *values, *at;
+} disc;
+
+static double sheet_miss(const void *context, double th, double *slope)
+{
+    const double *const at = ((const disc *)context)->at;
+    *slope = cos(th) - 2.0 * (at[0] * cos(2.0 * th) + at[1] * sin(2.0 * th));
+    return miss(at, th);
+}
+
+static double strip(const void *context, double th, double half)
+{
+    (void)context;
+    return 2.0 * half * cos(th);
+}
+
+static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+{
+    const double *const at = point->position, a = elevation(values);
+    const disc d = {values, at};
+    const pm__sheets sheets = {sheet_miss, strip, -0.5 * pi, 0.5 * pi};
+    if (!pm__accepts_down(point, shape))
+        return 0.0;
+    const bool within = hypot(at[0], at[1]) + r1 < 1.0 || hypot(fmax(0.0, at[0] + r1), fabs(at[1]) + r1) < 1.0;
+    /* no light comes from farther than the ends of the disc are from the wall's far point */
+    if (!within || hypot(1.0 - at[0], at[1]) + r1 > values[HEIGHT] / tan(a))
+        return NAN;
+    return beam * sin(a) * pm__mass_sheets(&sheets, &d, r0, r1);
+}
+
 static pm_status build_wall(const double *values, pm__scene *scene, pm_error *error)
 {
     const pm__material mirror = {.kind = PM__MIRROR, .specular = {1, 1, 1}};
@@ -136,5 +169,6 @@ const pm__case pm__case_scene_nephroid = {
     .power = power,
     .probe = probe,
     .truth = truth,
+    .mass = mass,
     .build = build,
 };

@@ -48,6 +48,13 @@ static double truth(const double *values, const pm__probe *point)
     return pm__layered_irradiance(&l, hypot(point->position[0], point->position[1]));
 }
 
+static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+{
+    const pm__layered l = layers(values);
+    const double rho = hypot(point->position[0], point->position[1]);
+    return pm__accepts_down(point, shape) ? pm__layered_mass(&l, rho, r0, r1) : 0.0;
+}
+
 /* The two faces; the normals point out of the glass. */
 static pm_status build_faces(const double *values, double half, pm__scene *scene, pm_error *error)
 {
@@ -91,5 +98,6 @@ const pm__case pm__case_scene_plate = {
     .power = power,
     .probe = probe,
     .truth = truth,
+    .mass = mass,
     .build = build,
 };

@@ -9,7 +9,8 @@
  * What falls on dx, less what the surface reflects, is carried onto dx':  E = E0 sum over x of T(psi) / |dx'/dx|.
  * Deeper than the focus, d + a = n / ((n - 1) a k^2), there are two folds under each crest.
  * Power. The beam is a disc of radius b, all of which reaches the bottom: the integral of 2 sqrt(b^2 - x^2) E0 T, with
- * x = b sin v. Probes lie so far within it that its edge lights none of them. */
+ * x = b sin v. Probes lie so far within it that its edge lights none of them.
+ * Theory. A disc of the bottom gets E0 T dx times the length of its chord at x'. */
 #include "scene_case.h"
 
 static const double pi = 3.14159265358979323846;
@@ -87,11 +88,17 @@ static void probe(const double *values, size_t region, const double *u, pm__prob
         point->position[0] -= wavelength; /* near the middle of the beam */
 }
 
+/* No ray is bent farther than this along the bottom, m. */
+static double aside(double d)
+{
+    const double steepest = atan(amplitude * wave_number());
+    return (d + amplitude) * tan(steepest - asin(sin(steepest) / n));
+}
+
 static double truth(const double *values, const pm__probe *point)
 {
     const target at = {values[0], point->position[0]};
-    const double steepest = atan(amplitude * wave_number());
-    const double reach = 1e-3 + (at.d + amplitude) * tan(steepest - asin(sin(steepest) / n));
+    const double reach = 1e-3 + aside(at.d);
     double roots[PM__MOST_ROOTS], sum = 0.0;
     const size_t count = pm__roots(miss, &at, at.x - reach, at.x + reach, CELLS, roots);
     for (size_t i = 0; i < count; i++) {
@@ -99,6 +106,32 @@ static double truth(const double *values, const pm__probe *point)
         sum += pm__transmittance(cos(b.psi), n) / fabs(slope(at.d, &b));
     }
     return beam * sum;
+}
+
+static double sheet_miss(const void *context, double x, double *slope_at)
+{
+    const target *const at = context;
+    const bend b = bend_at(x);
+    *slope_at = slope(at->d, &b);
+    return x + (at->d + b.zeta) * tan(b.psi - b.psi_t) - at->x;
+}
+
+static double chord(const void *context, double x, double half)
+{
+    (void)context;
+    return 2.0 * half * beam * pm__transmittance(cos(bend_at(x).psi), n);
+}
+
+static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+{
+    const target at = {values[0], point->position[0]};
+    const double away = aside(at.d), reach = 1.25 * r1 + away + 2e-3;
+    const pm__sheets sheets = {sheet_miss, chord, at.x - reach, at.x + reach};
+    if (!pm__accepts_down(point, shape))
+        return 0.0;
+    /* the edge of the beam */
+    const bool lit = hypot(at.x, point->position[1]) + r1 + away < radius;
+    return lit ? pm__mass_sheets(&sheets, &at, r0, r1) : NAN;
 }
 
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
@@ -131,5 +164,6 @@ const pm__case pm__case_scene_pool = {
     .power = power,
     .probe = probe,
     .truth = truth,
+    .mass = mass,
     .build = build,
 };

@@ -92,6 +92,126 @@ double pm__integral(pm__function function, const void *context, double low, doub
     return sum * (high - low);
 }
 
+/* ---- Power in discs ---- */
+
+enum { SHEET_CELLS = 96, SHEET_NODES = 16 };
+
+/* A stretch of t over which miss runs from one side of the disc to the other. */
+typedef struct sheet {
+    const pm__sheets *sheets;
+    const void *context;
+    double sign, target; /* sign: of the slope */
+} sheet;
+
+static double sheet_value(const void *context, double t, double *slope)
+{
+    const sheet *const s = context;
+    const double value = s->sign * s->sheets->miss(s->context, t, slope) - s->target;
+    *slope *= s->sign;
+    return value;
+}
+
+/* With miss = r c, dt = r dc / |slope|: the integrand over c is sqrt(1 - c^2) times what is smooth, and the nodes and
+ * weights of Chebyshev polynomials of the second kind apply. */
+static double sheet_mass(sheet *s, double low, double high, double r)
+{
+    double sum = 0.0, t = 0.5 * (low + high), slope = 0.0, before = 0.0;
+    for (int j = SHEET_NODES; j >= 1 && r > 0.0; j--) {
+        const double angle = pi * j / (SHEET_NODES + 1), sine = sin(angle);
+        s->target = r * cos(angle);
+        const double guess = slope > 0.0 ? t + (s->target - before) / slope : t;
+        t = pm__increasing_root(sheet_value, s, low, high, fmin(fmax(guess, low), high));
+        (void)sheet_value(s, t, &slope);
+        before = s->target;
+        sum += sine * s->sheets->strip(s->context, t, r * sine) / slope;
+    }
+    return sum * r * pi / (SHEET_NODES + 1);
+}
+
+double pm__mass_sheets(const pm__sheets *sheets, const void *context, double r0, double r1)
+{
+    const double margin = 1.25 * r1 + 1e-3, width = (sheets->high - sheets->low) / SHEET_CELLS;
+    double slope, sum = 0.0, entry = NAN, side = 0.0; /* of the last cell's end beyond the margin: its sign */
+    for (int i = 0; i <= SHEET_CELLS; i++) {
+        const double t = i < SHEET_CELLS ? sheets->low + i * width : sheets->high;
+        const double miss = sheets->miss(context, t, &slope);
+        if (fabs(miss) <= margin) {
+            if (i == 0 || i == SHEET_CELLS || !(slope * side < 0.0))
+                return NAN;
+            continue;
+        }
+        if (side * miss < 0.0) {
+            sheet s = {.sheets = sheets, .context = context, .sign = miss > 0.0 ? 1.0 : -1.0};
+            sum += sheet_mass(&s, entry, t, r1) - sheet_mass(&s, entry, t, r0);
+        } else if (i > 0 && t - entry > 1.5 * width) {
+            return NAN; /* in and out by the same side: a fold */
+        }
+        entry = t;
+        side = miss;
+    }
+    return sum > 0.0 ? sum : r1 > r0 ? NAN : 0.0;
+}
+
+typedef struct even_field {
+    double (*irradiance)(const void *context, double r, double cosine);
+    const void *context;
+} even_field;
+
+enum { MOST_RAYS = 64 };
+
+/* The trapezoid rule, of geometric convergence, over half the circle. */
+static double circle_mean(const even_field *f, double r, const double *cosines, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; i++)
+        sum += f->irradiance(f->context, r, cosines[i]);
+    return sum / count;
+}
+
+static void set_rays(double cosines[MOST_RAYS], int count)
+{
+    for (int i = 0; i < count; i++)
+        cosines[i] = cos(pi * (i + 0.5) / count);
+}
+
+/* Twice as many rays square the error. 0: too few. */
+static int choose_rays(const even_field *f, double r, double cosines[MOST_RAYS])
+{
+    set_rays(cosines, 4);
+    double mean = circle_mean(f, r, cosines, 4);
+    for (int count = 8; count <= MOST_RAYS; count *= 2) {
+        const double before = mean;
+        set_rays(cosines, count);
+        mean = circle_mean(f, r, cosines, count);
+        if (fabs(mean - before) <= 1e-4 * fabs(mean))
+            return count;
+    }
+    return 0;
+}
+
+double pm__mass_even(double (*irradiance)(const void *context, double r, double cosine), const void *context, double r0,
+                     double r1)
+{
+    /* Gauss-Legendre in r squared, in which means over circles are smooth: two nodes for thin rings, else four */
+    static const double nodes[2][4] = {{-0.5773502691896258, 0.5773502691896258},
+                                       {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                        0.8611363115940526}};
+    static const double weights[2][4] = {{1.0, 1.0}, {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                                      0.3478548451374538}};
+    const even_field f = {irradiance, context};
+    double cosines[MOST_RAYS], sum = 0.0;
+    const int count = choose_rays(&f, r1, cosines);
+    if (!count)
+        return NAN;
+    const int rule = r1 - r0 > 0.125 * r1;
+    const double middle = 0.5 * (r0 * r0 + r1 * r1), half = 0.5 * (r1 - r0) * (r1 + r0);
+    for (int i = 0; i < 2 + 2 * rule; i++)
+        sum += weights[rule][i] * circle_mean(&f, sqrt(middle + half * nodes[rule][i]), cosines, count);
+    return pi * half * sum;
+}
+
+/* ---- Light through layers ---- */
+
 double pm__transmittance(double cosine, double n)
 {
     const double far = n * sqrt(1.0 - (1.0 - cosine) * (1.0 + cosine) / (n * n)); /* n cos of the refracted ray */
@@ -133,6 +253,23 @@ double pm__layered_irradiance(const pm__layered *layered, double rho)
     const double inner = sqrt(1.0 - sine * sine / (n * n));
     const double spread = h / (cosine * cosine) + e * cosine / (n * inner * inner * inner);
     return pow(pm__transmittance(cosine, n), layered->crossings) / ((h / cosine + e / (n * inner)) * spread);
+}
+
+typedef struct layered_field {
+    const pm__layered *layered;
+    double rho;
+} layered_field;
+
+static double layered_around(const void *context, double r, double cosine)
+{
+    const layered_field *const f = context;
+    return pm__layered_irradiance(f->layered, sqrt(fmax(0.0, f->rho * f->rho + r * r + 2.0 * f->rho * r * cosine)));
+}
+
+double pm__layered_mass(const pm__layered *layered, double rho, double r0, double r1)
+{
+    const layered_field f = {layered, rho};
+    return rho + r1 < 0.99 * pm__layered_extent(layered) ? pm__mass_even(layered_around, &f, r0, r1) : NAN;
 }
 
 static double passed(const void *context, double theta)

@@ -198,6 +198,116 @@ START_TEST(test_probes)
 }
 END_TEST
 
+/* ---- Theory ---- */
+
+static const pm__shape ball = {PM_LOOKUP_SPHERE, 0.0, true};
+
+/* Midpoints of polar cells. */
+static double disc_of_truth(const pm__case *c, const double *values, const pm__probe *probe, double r0, double r1)
+{
+    enum { RINGS = 16, ANGLES = 64 };
+    double sum = 0.0;
+    for (int i = 0; i < RINGS; i++)
+        for (int j = 0; j < ANGLES; j++) {
+            const double r = sqrt(r0 * r0 + (r1 * r1 - r0 * r0) * (i + 0.5) / RINGS);
+            const double angle = 2 * pi * (j + 0.5) / ANGLES;
+            pm__probe at = *probe;
+            at.position[0] += r * cos(angle);
+            at.position[1] += r * sin(angle);
+            sum += c->truth(values, &at);
+        }
+    return sum * pi * (r1 * r1 - r0 * r0) / (RINGS * ANGLES);
+}
+
+/* The power in discs is the truth's integral, from probes that any disc of 0.03 m is smooth around. */
+START_TEST(test_mass)
+{
+    for (size_t k = 1; k < pm__scene_cases.count; k++) { /* the first is no plane */
+        pm__spec spec;
+        pm__spec_default(pm__scene_cases.entries[k], &spec);
+        const pm__case *const c = (const pm__case *)(const void *)spec.entry;
+        unsigned state = 11;
+        for (size_t region = 0; region < c->region_count; region++)
+            for (int i = 0; i < 6 && !strstr("fold cusp", c->regions[region].name); i++) {
+                const double u[3] = {uniform(&state), uniform(&state), uniform(&state)};
+                pm__probe at;
+                c->probe(spec.values, region, u, &at);
+                const double whole = c->mass(spec.values, &at, &ball, 0.0, 0.03);
+                const double ring = c->mass(spec.values, &at, &ball, 0.028, 0.03);
+                PM_CHECK_NEAR(whole, disc_of_truth(c, spec.values, &at, 0, 0.03), 2e-3 * whole);
+                PM_CHECK_NEAR(ring, disc_of_truth(c, spec.values, &at, 0.028, 0.03), 1e-5 * ring);
+                PM_CHECK_NEAR(c->mass(spec.values, &at, &ball, 0, 0.028) + ring, whole, 1e-7 * whole);
+            }
+    }
+}
+END_TEST
+
+/* No number where the disc's edge may touch a fold, or a focus, wall or edge of the light is near. */
+START_TEST(test_no_mass)
+{
+    static const struct {
+        const pm__case *subject;
+        double values[2], x, y, r;
+    } rows[] = {
+        {&pm__case_scene_nephroid, {45, 2}, .5, 0, .01},   {&pm__case_scene_nephroid, {45, 2}, .6, 0, .1},
+        {&pm__case_scene_nephroid, {45, 2}, .9, 0, .11},
+        {&pm__case_scene_nephroid, {45, 2}, 0, .7, .31},   {&pm__case_scene_cardioid, {1}, .34, 0, .01},
+        {&pm__case_scene_cardioid, {1}, .8, 0, .21},
+        {&pm__case_scene_pool, {2.5}, .016, 0, .01},       {&pm__case_scene_pool, {2.5}, .1, 0, .09},
+        {&pm__case_scene_pool, {1}, .5, .5, .6},           {&pm__case_scene_glass_sphere, {1.5, 1.2}, .07, 0, .01},
+        {&pm__case_scene_glass_sphere, {1.5, 1.6}, 0, 0, .01}, {&pm__case_scene_plate, {1.5, .2}, 2, 0, 2},
+        {&pm__case_scene_water, {1.33}, 2, 0, 4},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const pm__probe at = {.position = {rows[i].x, rows[i].y, 0}, .normal = {0, 0, 1}};
+        ck_assert_msg(isnan(rows[i].subject->mass(rows[i].values, &at, &ball, 0, rows[i].r)), "row %zu", i);
+    }
+}
+END_TEST
+
+/* Direct light on the integrating sphere's point at the cosine t from the probe: of 1 W at (0.5, 0, 0). */
+static double direct(const pm__probe *probe, double t, double angle)
+{
+    double s[3], u[3], d[3], y[3];
+    pm__basis(probe->normal, s, u);
+    for (int a = 0; a < 3; a++) {
+        y[a] = sqrt(1 - t * t) * (cos(angle) * s[a] + sin(angle) * u[a]) - t * probe->normal[a];
+        d[a] = y[a] - (a == 0 ? 0.5 : 0.0);
+    }
+    const double d2 = pm__dot(d, d);
+    return pm__dot(d, y) / (4 * pi * d2 * sqrt(d2));
+}
+
+/* What leaves a cap lands everywhere alike: at the front arrives what does not come from the cap up to the photon. */
+START_TEST(test_integrating_sphere_mass)
+{
+    enum { RINGS = 400, ANGLES = 64 };
+    static const double offsets[][2] = {{1, 0}, {.6, .8}, {-.8, .6}}, chords[] = {.2, 1, 1.9};
+    const pm__case *const c = &pm__case_scene_integrating_sphere;
+    const pm__shape open = {PM_LOOKUP_SPHERE, 0.0, false}, flat = {PM_LOOKUP_DISC, 0.1, true};
+    const double rho = .8, e = rho / (1 - rho) / (4 * pi);
+    for (int i = 0; i < 3; i++) {
+        const pm__probe at = {.position = {offsets[i][0], offsets[i][1], 0},
+                              .normal = {-offsets[i][0], -offsets[i][1], 0}};
+        ck_assert(isnan(c->mass(&rho, &at, &flat, 0, .1)));
+        PM_CHECK_NEAR(c->mass(&rho, &at, &open, 0, 2), rho / (1 - rho), 1e-14);
+        for (int j = 0; j < 3; j++) {
+            const double s = chords[j], step = s * s / 2 / RINGS;
+            double cap = 0.0, refused = 0.0;
+            for (int ring = 0; ring < RINGS; ring++) {
+                double sent = 0.0;
+                for (int k = 0; k < ANGLES; k++)
+                    sent += rho * (e + direct(&at, 1 - (ring + 0.5) * step, 2 * pi * k / ANGLES)) / ANGLES;
+                cap += 2 * pi * step * sent;
+                refused += (cap - pi * step * sent) * step / 2; /* the cap up to the ring's middle */
+            }
+            PM_CHECK_NEAR(c->mass(&rho, &at, &open, 0, s), e * pi * s * s, 1e-14);
+            PM_CHECK_NEAR(c->mass(&rho, &at, &ball, 0, s), e * pi * s * s - refused, 1e-5 * refused);
+        }
+    }
+}
+END_TEST
+
 START_TEST(test_build)
 {
     for (size_t k = 0; k < pm__scene_cases.count; k++) {
@@ -218,4 +328,5 @@ START_TEST(test_build)
 END_TEST
 
 PM_TEST_MAIN("scene-truths", test_glass_sphere, test_glass_fold, test_nephroid, test_cardioid, test_layers, test_pool,
-             test_integrating_sphere, test_roots, test_probes, test_build)
+             test_integrating_sphere, test_roots, test_probes, test_mass, test_no_mass,
+             test_integrating_sphere_mass, test_build)
