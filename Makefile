@@ -14,7 +14,7 @@ WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno $(CFLAGS)
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
-PROGRAM_DIRS = src/stats cases src/accuracy bench bench/workloads src/cli
+PROGRAM_DIRS = src/stats src/scene src/transport cases cases/scenes src/accuracy bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
@@ -28,7 +28,7 @@ PEERS ?= $(call peer_if,nanoflann,nanoflann.hpp) $(call peer_if,flann,flann/flan
 PEERS := $(strip $(PEERS))
 PEER_TBB := $(if $(filter cgal,$(PEERS)),$(call has_header,tbb/parallel_for.h))
 PEER_LIBS := $(if $(filter flann,$(PEERS)),-lflann_cpp -llz4) $(if $(filter ann,$(PEERS)),-lann) \
-    $(if $(filter embree,$(PEERS)),-lembree3) $(if $(PEER_TBB),-ltbb) $(if $(PEERS),-lstdc++)
+    $(if $(PEER_TBB),-ltbb) $(if $(PEERS),-lstdc++)
 PEER_DEFINES := $(foreach p,$(PEERS),-DPM_PEER_$(shell echo $(p) | tr a-z A-Z))
 # Their best: optimised whatever CFLAGS say, without assertions; warnings in their headers are theirs.
 PEER_CXXFLAGS = -std=c++17 -O2 -DNDEBUG -fvisibility=hidden $(if $(PEER_TBB),-DCGAL_LINKED_WITH_TBB)
@@ -177,14 +177,15 @@ $(BUILD)/program.a: $(PROGRAM_OBJECTS)
 
 $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -ljansson -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -ljansson -lm -o $@
 
 # Tests see the program's parts as well as the library's, so they link the static archives.
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $< \
-	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) `pkg-config --libs check gsl mpfr jansson` -lm -o $@
+	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 \
+	    `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
 .PHONY: all lib program install uninstall clean demo run-demo bench run-bench \

@@ -10,7 +10,7 @@ shift
 command -v dpkg-query >/dev/null 2>&1 || exit 0 # not Debian: the compiler will say what is missing
 
 # Commands count wherever they come from, headers and libraries by their package.
-wanted="libc6-dev libjansson-dev librandom123-dev"
+wanted="libc6-dev libjansson-dev librandom123-dev libembree-dev"
 missing=
 compiler=${CC%% *}
 case $compiler in
@@ -25,7 +25,7 @@ esac
 [ -z "$package" ] || command -v "$compiler" >/dev/null 2>&1 || missing=" $package"
 for set in "$@"; do
     [ "$set" != bench ] ||
-        wanted="$wanted g++ libnanoflann-dev libflann-dev liblz4-dev libann-dev libcgal-dev libembree-dev libtbb-dev"
+        wanted="$wanted g++ libnanoflann-dev libflann-dev liblz4-dev libann-dev libcgal-dev libtbb-dev"
     [ "$set" = check ] || continue
     wanted="$wanted check libgsl-dev libmpfr-dev"
     command -v pkg-config >/dev/null 2>&1 || missing="$missing pkg-config"

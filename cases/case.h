@@ -1,12 +1,14 @@
 /* What a case is: photons of a known irradiance, its exact truth, and what theory says of estimates of it.
  *
  * Lengths in m, irradiance in W/m2 (media: flux density in W/m3), all three bands alike. Photons are drawn
- * from the irradiance itself, so only the estimator is under test. All functions are pure. */
+ * from the irradiance itself, so only the estimator is under test; or, with `build`, traced through a scene. All
+ * functions are pure. */
 #ifndef PM_CASES_CASE_H
 #define PM_CASES_CASE_H
 
 #include "../src/base/param.h"
 #include "../src/base/vec3.h"
+#include "../src/scene/scene.h"
 
 /* A point where an estimate is asked for. */
 typedef struct pm__probe {
@@ -61,8 +63,19 @@ typedef struct pm__case {
     /* A lookup radius, m, beyond which a lookup is cut in this case even if the user gives none (because some
      * probes accept no photon at all); 0: none. */
     double (*reach)(const double *values);
+
+    /* Cases of traced scenes: adds materials, shapes and lights to a scene that the caller has created and will commit.
+     * Such a case has no `photon`: its photons are those that pm__trace stores along `paths`, and `power` is what they
+     * carry together, or NAN where no formula is known. NULL: photons are drawn from the irradiance. */
+    pm_status (*build)(const double *values, pm__scene *scene, pm_error *error);
 } pm__case;
 
-extern const pm__catalogue pm__cases;
+static inline bool pm__is_traced(const pm__case *subject)
+{
+    return subject->build;
+}
+
+extern const pm__catalogue pm__cases;     /* photons drawn from a known irradiance */
+extern const pm__catalogue pm__all_cases; /* and those of traced scenes */
 
 #endif

@@ -3,6 +3,7 @@
 #define PM_ACCURACY_BENCH_H
 
 #include "../lookup/carriers.h"
+#include "../transport/trace.h"
 #include "accuracy.h"
 
 enum { PM__MAX_REGIONS = 8, PM__MAX_MAPS = 64, PM__MAX_VARIETIES = 16 };
@@ -29,6 +30,8 @@ typedef struct pm__job {
     const double *values;
     const pm__spec *case_spec, *sampler_spec;
     size_t asked_photons, photons; /* photons: as the sampler's grid has it */
+    pm__scene *scene;   /* of a traced case, and the paths whose photons are stored; else NULL */
+    pm__paths *paths;
 
     pm__probe *probes; /* region by region, near ones together */
     double *truth;
@@ -93,11 +96,15 @@ pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm
                        const pm__spec *sampler_spec, size_t photons, pm_error *error);
 void pm__job_free(pm__job *job);
 
-/* draw.c: `count` photons of trial `trial`; part > 0 for the part-th of several separately drawn maps that share the
- * power. normals may be NULL. Returns how many there are (a sampler may round), never more than pm__drawn_count. */
+/* traced.c: the scene and the paths of a traced case; nothing for others. */
+pm_status pm__job_scene(pm__job *job, pm_error *error);
+
+/* draw.c: `count` photons of trial `trial`, drawn or traced; part > 0 for the part-th of several separately drawn maps
+ * that share the power. normals may be NULL. There are pm__drawn_count of them: a sampler may round. EINVAL: next to no
+ * traced photon is stored. */
 size_t pm__drawn_count(const pm__job *job, size_t count);
-size_t pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
-                        pm_photon *photons, float (*normals)[3]);
+pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
+                           pm_photon *photons, float (*normals)[3]);
 /* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the
  * caller's. */
 pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,

@@ -31,14 +31,61 @@ static void init_points(const pm__job *job, uint32_t trial, size_t count, pm__po
 
 size_t pm__drawn_count(const pm__job *job, size_t count)
 {
+    if (pm__is_traced(job->subject))
+        return count;
     pm__points points;
     init_points(job, 0, count, &points);
     return (size_t)points.count;
 }
 
-size_t pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
-                        pm_photon *photons, float (*normals)[3])
+/* Photons until enough are stored. */
+typedef struct tracing {
+    pm_photon *photons;
+    float (*normals)[3];
+    size_t wanted, stored;
+    uint64_t emitted;
+} tracing;
+
+static bool store(void *context, uint64_t number, const pm__stored *photon)
 {
+    tracing *const t = context;
+    pm_photon *const to = &t->photons[t->stored];
+    for (int a = 0; a < 3; a++) {
+        to->position[a] = (float)photon->position[a];
+        to->direction[a] = (float)photon->direction[a];
+        to->power[a] = (float)photon->power[a];
+        if (t->normals)
+            t->normals[t->stored][a] = (float)photon->normal[a];
+    }
+    t->emitted = number + 1;
+    return ++t->stored < t->wanted;
+}
+
+/* The number emitted until the N-th is stored is not independent of what is stored: N - 1 of one less is right (errata
+ * 37; inverse binomial sampling). */
+static pm_status trace_photons(const pm__job *job, uint32_t trial, uint32_t parts, tracing *t)
+{
+    enum { FEWEST = 100000 }; /* photons emitted for each that is wanted, before it is given up */
+    const pm__trace_config config = {job->scene, job->paths, job->config->seed, trial};
+    const uint64_t most = (uint64_t)FEWEST * t->wanted;
+    (void)pm__trace(&config, 0, most, store, t);
+    if (t->stored < t->wanted)
+        return PM_EINVAL;
+    const double share = t->wanted > 1 ? (double)(t->wanted - 1) / (double)(t->emitted - 1) : 1.0 / (double)t->emitted;
+    const double factor = share / ((double)t->wanted * parts);
+    for (size_t i = 0; i < t->stored; i++)
+        for (int a = 0; a < 3; a++)
+            t->photons[i].power[a] = (float)((double)t->photons[i].power[a] * factor);
+    return PM_OK;
+}
+
+pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
+                           pm_photon *photons, float (*normals)[3])
+{
+    if (pm__is_traced(job->subject)) {
+        tracing t = {.photons = photons, .normals = normals, .wanted = count};
+        return count ? trace_photons(job, stream(trial, part), parts, &t) : PM_OK;
+    }
     pm__points points;
     init_points(job, stream(trial, part), count, &points);
     const size_t drawn = (size_t)points.count;
@@ -55,7 +102,7 @@ size_t pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint3
                 normals[i][a] = (float)normal[a];
         }
     }
-    return drawn;
+    return PM_OK;
 }
 
 /* To which of the deal's maps photon i goes. */
@@ -81,9 +128,9 @@ static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t
     pm_photon *const part = pm__alloc(pm__drawn_count(job, share), sizeof *part);
     if (!part)
         return PM_ENOMEM;
-    const size_t drawn =
-        pm__draw_photons(job, trial, (uint32_t)m + 1, (uint32_t)deal->maps, share, part, NULL);
-    const pm_status status = make_map(job, part, drawn, map);
+    pm_status status = pm__draw_photons(job, trial, (uint32_t)m + 1, (uint32_t)deal->maps, share, part, NULL);
+    if (status == PM_OK)
+        status = make_map(job, part, pm__drawn_count(job, share), map);
     free(part);
     return status;
 }
@@ -152,8 +199,9 @@ pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_ma
     float(*const normals)[3] = job->fraction_count ? pm__alloc(job->photons, sizeof *normals) : NULL;
     pm_status status = PM_ENOMEM;
     if (photons && (normals || !job->fraction_count)) {
-        (void)pm__draw_photons(job, trial, 0, 1, job->asked_photons, photons, normals);
-        status = build_maps(job, trial, photons, (const float(*)[3])normals, maps);
+        status = pm__draw_photons(job, trial, 0, 1, job->asked_photons, photons, normals);
+        if (status == PM_OK)
+            status = build_maps(job, trial, photons, (const float(*)[3])normals, maps);
     }
     free(photons);
     free(normals);

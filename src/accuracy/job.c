@@ -154,6 +154,8 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
 {
     if (!(v->estimator->dimensions & 1U << job->subject->dimensions))
         return job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
+    if (pm__is_traced(job->subject) && !((const pm__sampler *)(const void *)job->sampler_spec->entry)->independent)
+        return "photons are traced with independent numbers: --sampler poisson";
     if ((v->estimator->needs & PM__TRUTH) && !v->k)
         return "it chooses a k, and a fixed radius has none";
     return too_few(v) ? "k is too few for it" : NULL;
@@ -377,6 +379,8 @@ pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm
                        const pm__spec *sampler_spec, size_t photons, pm_error *error)
 {
     pm_status status = plan_estimates(job, config, case_spec, sampler_spec, photons, error);
+    if (status == PM_OK)
+        status = pm__job_scene(job, error);
     if (status == PM_OK) {
         status = plan_probes(job);
         if (status == PM_OK)
@@ -392,6 +396,8 @@ pm_status pm__job_plan(pm__job *job, const pm__accuracy_config *config, const pm
 
 void pm__job_free(pm__job *job)
 {
+    pm__scene_destroy(job->scene);
+    pm__paths_destroy(job->paths);
     free(job->probes);
     free(job->truth);
     free(job->variants);

@@ -13,7 +13,7 @@ typedef struct prediction {
     pm__law_rule rule;
     pm__kernel_law *laws; /* [variant] */
     bool *has_law;        /* [variant] */
-    double flux;          /* W of a photon */
+    double power, flux;   /* W, of all photons and of each */
     bool independent;
 } prediction;
 
@@ -21,8 +21,7 @@ typedef struct prediction {
 static double share_within(const prediction *p, size_t probe, double r0, double r1)
 {
     const pm__job *const job = p->job;
-    return job->subject->mass(job->values, &job->probes[probe], &job->config->lookup, r0, r1) /
-           job->subject->power(job->values);
+    return job->subject->mass(job->values, &job->probes[probe], &job->config->lookup, r0, r1) / p->power;
 }
 
 /* A radius within which a share `wanted` lies, not much larger than needed; at most `limit`. */
@@ -174,13 +173,14 @@ pm_status pm__predict(pm__job *job)
     prediction p = {.job = job,
                     .laws = pm__alloc(job->variant_count, sizeof *p.laws),
                     .has_law = pm__alloc_zero(job->variant_count, sizeof *p.has_law),
-                    .flux = job->subject->power(job->values) / (double)job->photons,
+                    .power = job->subject->power(job->values),
                     .independent = sampler->independent};
     if (!p.laws || !p.has_law) {
         free(p.laws);
         free(p.has_law);
         return PM_ENOMEM;
     }
+    p.flux = p.power / (double)job->photons;
     pm__law_rule_init(&p.rule);
     for (size_t v = 0; v < job->variant_count; v++) {
         const bool plain = !(job->variants[v].estimator->needs & (PM__MAPS | PM__AT_PHOTON | PM__TRUTH));

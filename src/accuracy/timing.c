@@ -134,12 +134,13 @@ static pm_status time_setup(const pm__job *job, setup_times *times)
     if (!photons)
         return PM_ENOMEM;
     double start = now();
-    (void)pm__draw_photons(job, 0, 0, 1, job->asked_photons, photons, NULL);
+    pm_status status = pm__draw_photons(job, 0, 0, 1, job->asked_photons, photons, NULL);
     times->draw = now() - start;
     start = now();
     pm_map *map = NULL;
     const pm_map_options options = {.search = pm_search_find(job->config->search)};
-    pm_status status = pm_map_create(photons, job->photons, &options, &map, NULL);
+    if (status == PM_OK)
+        status = pm_map_create(photons, job->photons, &options, &map, NULL);
     times->build = now() - start;
     for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++) {
         pm__carriers carriers;

@@ -49,6 +49,23 @@ const pm__entry *pm__find(const pm__catalogue *catalogue, const char *name)
     return find_piece(catalogue, (piece){name, strlen(name)});
 }
 
+/* The name that an entry's text starts with: up to the first colon or comma, or beyond the colon where entries are
+ * called so: scene:plate. */
+static piece name_of(const pm__catalogue *catalogue, piece text)
+{
+    piece name = piece_until(text.text, ":,");
+    if (name.length >= text.length)
+        return text;
+    if (text.text[name.length] != ':')
+        return name;
+    for (size_t i = 0; i < catalogue->count; i++)
+        if (!strncmp(catalogue->entries[i]->name, name.text, name.length + 1)) {
+            name.length += 1 + strcspn(text.text + name.length + 1, ":,");
+            return name.length < text.length ? name : text;
+        }
+    return name;
+}
+
 /* Appends "; did you mean 'x'?" or else what there is. */
 static pm_status unknown(pm_error *error, const char *what, piece name, const char *const *candidates, size_t count)
 {
@@ -181,9 +198,7 @@ void pm__spec_default(const pm__entry *entry, pm__spec *spec)
 /* NAME, NAME:params or (in a list) NAME,params. */
 static pm_status parse_piece(const pm__catalogue *catalogue, piece text, pm__spec *spec, pm_error *error)
 {
-    piece name = piece_until(text.text, ":,");
-    if (name.length > text.length)
-        name.length = text.length;
+    const piece name = name_of(catalogue, text);
     const pm__entry *const entry = find_piece(catalogue, name);
     if (!entry)
         return unknown_entry(catalogue, name, error);
@@ -247,7 +262,7 @@ static piece whole_entry(const char *text)
 static pm_status parse_entry(const pm__catalogue *catalogue, piece whole, pm__spec **specs, size_t *count,
                              pm_error *error)
 {
-    const piece name = piece_until(whole.text, ":,");
+    const piece name = name_of(catalogue, whole);
     char shown[MAX_QUOTED + 4];
     pm__spec spec;
     if (!whole.length)

@@ -12,7 +12,8 @@ typedef enum pm__purpose {
     PM__FOR_DEALING,
     PM__FOR_SCRAMBLING,
     PM__FOR_TESTS,
-    PM__FOR_TIMING
+    PM__FOR_TIMING,
+    PM__FOR_TRACING
 } pm__purpose;
 
 /* Four 32-bit words for draw `number` (and block `block` of its dimensions) of trial `trial`. */

@@ -1,4 +1,5 @@
 /* list: what there is, from the catalogues. */
+#include "../../cases/scenes/list.h"
 #include "../../estimators/estimator.h"
 #include "../search/search.h"
 #include "commands.h"
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 4, TEXT_SIZE = 4096 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 5, TEXT_SIZE = 4096 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -22,6 +23,7 @@ static const kind kinds[KIND_COUNT] = {
     {"estimators", "Estimators", "--estimator NAME[:key=value[,key=value...]]", &pm__estimators},
     {"searches", "Searches", "--search NAME", &pm__searches},
     {"cases", "Cases", "--case NAME[:key=value[,key=value...]]", &pm__cases},
+    {"scenes", "Scenes with exact answers", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
 };
 
@@ -39,7 +41,8 @@ typedef struct listing {
 
 static const pm__case *case_of(const thing *item)
 {
-    return item->kind->catalogue == &pm__cases ? (const pm__case *)(const void *)item->entry : NULL;
+    const bool is_case = item->kind->catalogue == &pm__cases || item->kind->catalogue == &pm__scene_cases;
+    return is_case ? (const pm__case *)(const void *)item->entry : NULL;
 }
 
 /* "k=1.1" or "last=full", the default as a user writes it. */
@@ -172,12 +175,12 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
         (void)json_array_append_new(params, param_tree(item->entry, i));
     pm__spec_default(item->entry, &spec);
     pm__spec_format(&spec, list->text, sizeof list->text);
-    const char *const colon = strchr(list->text, ':');
+    const char *const values = list->text + strlen(item->entry->name);
     cells[0] = pm__text_cell(item->kind->catalogue->kind);
     cells[1] = pm__text_cell(item->entry->name);
     cells[2] = pm__text_cell(item->entry->summary);
     cells[3] = pm__text_cell(item->entry->citation);
-    cells[4] = (pm__cell){.type = PM__TREE, .tree = params, .text = colon ? colon + 1 : ""};
+    cells[4] = (pm__cell){.type = PM__TREE, .tree = params, .text = *values ? values + 1 : ""};
     if (subject) {
         cells[5] = pm__text_cell(subject->paths);
         cells[6] = (pm__cell){.type = PM__TREE, .tree = region_trees(subject)};
@@ -206,7 +209,7 @@ static int refuse(const char *name)
     if (nearest)
         pm__complain("list", "no list '%.80s'; did you mean '%s'?", name, nearest);
     else
-        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, samplers", name);
+        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers", name);
     return PM__EXIT_USAGE;
 }
 
@@ -255,7 +258,7 @@ static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_
 
 const pm__command pm__command_list = {
     .name = "list",
-    .operands = "[estimators|searches|cases|samplers]",
+    .operands = "[estimators|searches|cases|scenes|samplers]",
     .max_operands = 1,
     .job = "what there is, with parameters, their defaults and ranges, and where it comes from",
     .text = "Examples:\n"

@@ -11,7 +11,7 @@ enum { MAX_TRIALS = 10000000, MAX_PROBES = 10000000, MAX_THREADS = 4096 };
 
 static pm_status set_case(pm__settings *s, const char *text, pm_error *error)
 {
-    return pm__parse_specs(&pm__cases, text, &s->cases, error);
+    return pm__parse_specs(&pm__all_cases, text, &s->cases, error);
 }
 
 static pm_status set_estimator(pm__settings *s, const char *text, pm_error *error)
@@ -170,7 +170,7 @@ static pm_status set_help(pm__settings *s, const char *text, pm_error *error)
     return PM_OK;
 }
 
-const pm__option pm__option_case = {"case", 0, "CASE,...", "cases, or all (all)", set_case};
+const pm__option pm__option_case = {"case", 0, "CASE,...", "cases, scene:NAME, or all (all but scenes)", set_case};
 const pm__option pm__option_estimator = {"estimator", 0, "EST,...", "estimators, or all (all)", set_estimator};
 const pm__option pm__option_one_estimator = {"estimator", 0, "EST", "the estimator (disc)", set_one_estimator};
 const pm__option pm__option_sampler = {"sampler", 0, "SAMPLER,...", "how photons are drawn (poisson)", set_sampler};

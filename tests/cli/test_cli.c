@@ -98,7 +98,7 @@ static const struct {
     {"--verison", "did you mean '--version'?"},
     {"help acuracy", "did you mean 'accuracy'?"},
     {"list estimator", "did you mean 'estimators'?"},
-    {"list scenes", "no list 'scenes'"},
+    {"list methods", "no list 'methods'"},
     {"list estimators cases", "unexpected argument 'cases'"},
     {"accuracy --estimater disc", "unknown option '--estimater'; did you mean '--estimator'?"},
     {"accuracy --seconds 5", "unknown option '--seconds'"},

@@ -35,7 +35,9 @@ static inline size_t run_bench(const bench_run *run, pm__accuracy_row **rows)
     pm__spec *cases = NULL, *estimators = NULL, *samplers = NULL;
     size_t case_count = 0, estimator_count = 0, sampler_count = 0, row_count = 0;
     pm_error error = {""};
-    PM_CHECK_OK(pm__spec_parse_list(&pm__cases, run->cases, &cases, &case_count, &error), error);
+    /* "all" leaves the traced scenes out, as the program does: they take longer */
+    const pm__catalogue *const from = strcmp(run->cases, "all") ? &pm__all_cases : &pm__cases;
+    PM_CHECK_OK(pm__spec_parse_list(from, run->cases, &cases, &case_count, &error), error);
     PM_CHECK_OK(pm__spec_parse_list(&pm__estimators, run->estimators, &estimators, &estimator_count, &error), error);
     PM_CHECK_OK(pm__spec_parse_list(&pm__samplers, run->sampler ? run->sampler : "poisson", &samplers, &sampler_count,
                                     &error),
@@ -62,6 +64,40 @@ static inline double half_width(pm__interval interval)
 static inline double bias_error(const pm__accuracy_row *row)
 {
     return half_width(row->rel_bias_ci95) / pm__student_quantile(0.975, (double)row->trials - 1.0);
+}
+
+/* Student's bound for a false alarm in 1e-6 over a family, by Bonferroni. */
+static inline double quantile_for(size_t comparisons, size_t trials)
+{
+    return pm__student_quantile(1.0 - 0.5e-6 / (double)comparisons, (double)trials - 1.0);
+}
+
+/* Each predicted row within its bound; how many there were. */
+static inline size_t check_rows(const pm__accuracy_row *rows, size_t count)
+{
+    size_t predicted = 0;
+    for (size_t i = 0; i < count; i++) {
+        const pm__accuracy_row *const r = &rows[i];
+        if (isnan(r->predicted_rel_bias))
+            continue;
+        predicted++;
+        char name[PM__MAX_SPEC];
+        pm__spec_format_short(r->estimator_spec, name, sizeof name);
+        /* The law is exact but for quadrature (1e-5 of the estimate); rows without any noise are compared so. */
+        const double se = bias_error(r), bound = quantile_for(2 * count, r->trials);
+        ck_assert_msg(fabs(r->rel_bias - r->predicted_rel_bias) <= bound * se + 2e-5,
+                      "%s %s %s k=%zu: bias %+.5f, theory %+.5f, %.1f standard errors", r->case_spec->entry->name,
+                      r->region, name, r->k, r->rel_bias, r->predicted_rel_bias,
+                      (r->rel_bias - r->predicted_rel_bias) / se);
+        if (isnan(r->predicted_rel_noise) || !(r->predicted_rel_noise > 0.0))
+            continue;
+        const double log_se = 0.5 * log(r->rel_noise_ci95.high / r->rel_noise_ci95.low) /
+                              pm__student_quantile(0.975, (double)r->trials - 1.0);
+        ck_assert_msg(fabs(log(r->rel_noise / r->predicted_rel_noise)) <= bound * log_se + 2e-5,
+                      "%s %s %s k=%zu: noise %.5f, theory %.5f", r->case_spec->entry->name, r->region, name, r->k,
+                      r->rel_noise, r->predicted_rel_noise);
+    }
+    return predicted;
 }
 
 #endif

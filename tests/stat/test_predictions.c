@@ -8,39 +8,6 @@ static const char kernels[] = "disc,disc:last=none,disc:last=half,cone:k=1,cone:
                               "gaussian:form=pavicic,last=none,gaussian:form=normalised,last=none,"
                               "epanechnikov:last=none,biweight:last=half";
 
-static double quantile_for(size_t comparisons, size_t trials)
-{
-    return pm__student_quantile(1.0 - 0.5e-6 / (double)comparisons, (double)trials - 1.0);
-}
-
-/* Each predicted row within its bound; how many there were. */
-static size_t check_rows(const pm__accuracy_row *rows, size_t count)
-{
-    size_t predicted = 0;
-    for (size_t i = 0; i < count; i++) {
-        const pm__accuracy_row *const r = &rows[i];
-        if (isnan(r->predicted_rel_bias))
-            continue;
-        predicted++;
-        char name[PM__MAX_SPEC];
-        pm__spec_format_short(r->estimator_spec, name, sizeof name);
-        /* The law is exact but for quadrature (1e-5 of the estimate); rows without any noise are compared so. */
-        const double se = bias_error(r), bound = quantile_for(2 * count, r->trials);
-        ck_assert_msg(fabs(r->rel_bias - r->predicted_rel_bias) <= bound * se + 2e-5,
-                      "%s %s %s k=%zu: bias %+.5f, theory %+.5f, %.1f standard errors", r->case_spec->entry->name,
-                      r->region, name, r->k, r->rel_bias, r->predicted_rel_bias,
-                      (r->rel_bias - r->predicted_rel_bias) / se);
-        if (isnan(r->predicted_rel_noise) || !(r->predicted_rel_noise > 0.0))
-            continue;
-        const double log_se = 0.5 * log(r->rel_noise_ci95.high / r->rel_noise_ci95.low) /
-                              pm__student_quantile(0.975, (double)r->trials - 1.0);
-        ck_assert_msg(fabs(log(r->rel_noise / r->predicted_rel_noise)) <= bound * log_se + 2e-5,
-                      "%s %s %s k=%zu: noise %.5f, theory %.5f", r->case_spec->entry->name, r->region, name, r->k,
-                      r->rel_noise, r->predicted_rel_noise);
-    }
-    return predicted;
-}
-
 START_TEST(kernels_follow_their_law_in_every_case)
 {
     static const size_t ks[] = {5, 20, 80};

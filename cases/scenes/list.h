@@ -1,0 +1,24 @@
+/* Every case of a traced scene, one row each, in the order in which tables show them.
+ * Beside the rows: list.c (this list as data) and scene_case.c (what they share). */
+#ifndef PM_SCENES_LIST_H
+#define PM_SCENES_LIST_H
+
+#include "../case.h"
+
+#define PM_SCENE_LIST(X) \
+    X(integrating_sphere) \
+    X(glass_sphere)       \
+    X(nephroid)           \
+    X(cardioid)           \
+    X(plate)              \
+    X(water)              \
+    X(pool)
+
+#define X(name) extern const pm__case pm__case_scene_##name;
+PM_SCENE_LIST(X)
+#undef X
+
+/* Entries are the first members of pm__case; their names start with "scene:". */
+extern const pm__catalogue pm__scene_cases;
+
+#endif

@@ -1,0 +1,155 @@
+#include "light.h"
+
+#include "../base/vec3.h"
+
+static const double pi = 3.14159265358979323846;
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* z = 1 - below about `axis`; `below` rather than z, so that narrow cones keep their digits. */
+static void about(const double axis[3], double below, double turn, double direction[3])
+{
+    double s[3], t[3];
+    pm__basis(axis, s, t);
+    const double r = sqrt(below * (2.0 - below)), x = r * cos(2.0 * pi * turn), y = r * sin(2.0 * pi * turn);
+    for (int i = 0; i < 3; i++)
+        direction[i] = x * s[i] + y * t[i] + (1.0 - below) * axis[i];
+}
+
+/* Lambert: density cos / pi. */
+static void cosine_about(const double normal[3], double u0, double u1, double direction[3])
+{
+    const double z = sqrt(1.0 - u1);
+    about(normal, u1 / (1.0 + z), u0, direction);
+}
+
+static void copy(const double from[3], double to[3])
+{
+    for (int i = 0; i < 3; i++)
+        to[i] = from[i];
+}
+
+static void on_disc(const pm__light *light, const double u[2], double position[3])
+{
+    double s[3], t[3];
+    pm__basis(light->direction, s, t);
+    const double r = light->radius * sqrt(u[1]), x = r * cos(2.0 * pi * u[0]), y = r * sin(2.0 * pi * u[0]);
+    for (int i = 0; i < 3; i++)
+        position[i] = light->position[i] + x * s[i] + y * t[i];
+}
+
+void pm__emit(const pm__light *light, const double u[4], double position[3], double direction[3])
+{
+    static const double up[3] = {0.0, 0.0, 1.0};
+    double normal[3];
+    copy(light->position, position);
+    switch (light->kind) {
+    case PM__POINT:
+        about(up, 2.0 * u[1], u[0], direction);
+        break;
+    case PM__SPOT: {
+        const double half = sin(0.5 * light->angle); /* 1 - cos(angle) = 2 sin^2(angle / 2) */
+        about(light->direction, 2.0 * half * half * u[1], u[0], direction);
+        break;
+    }
+    case PM__DIRECTIONAL:
+        on_disc(light, u, position);
+        copy(light->direction, direction);
+        break;
+    case PM__RECTANGLE:
+        for (int i = 0; i < 3; i++)
+            position[i] += u[0] * light->edge[0][i] + u[1] * light->edge[1][i];
+        cross(light->edge[0], light->edge[1], normal);
+        pm__normalize(normal);
+        cosine_about(normal, u[2], u[3], direction);
+        break;
+    case PM__BALL:
+        about(up, 2.0 * u[1], u[0], normal);
+        for (int i = 0; i < 3; i++)
+            position[i] += light->radius * normal[i];
+        cosine_about(normal, u[2], u[3], direction);
+        break;
+    }
+}
+
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+static pm_status check_finite(const char *name, const double v[3], pm_error *error)
+{
+    for (int i = 0; i < 3; i++)
+        if (!isfinite(v[i]))
+            return pm__fail(error, PM_EINVAL, "a light's %s[%d] is not finite", name, i);
+    return PM_OK;
+}
+
+static pm_status check_power(const double power[3], pm_error *error)
+{
+    double sum = 0.0;
+    for (int b = 0; b < 3; b++) {
+        if (!(power[b] >= 0.0 && isfinite(power[b])))
+            return pm__fail(error, PM_EINVAL, "a light's power[%d] is %g, not finite and at least 0", b, power[b]);
+        sum += power[b];
+    }
+    return sum > 0.0 && isfinite(sum) ? PM_OK
+                                      : pm__fail(error, PM_EINVAL, "a light's power adds up to %g, not above 0", sum);
+}
+
+static pm_status check_direction(const pm__light *light, pm_error *error)
+{
+    const pm_status status = check_finite("direction", light->direction, error);
+    const double length2 = pm__dot(light->direction, light->direction);
+    if (status || fabs(length2 - 1.0) <= 1e-9)
+        return status;
+    return pm__fail(error, PM_EINVAL, "a light's direction has length %g, not 1", sqrt(length2));
+}
+
+static pm_status check_radius(double radius, pm_error *error)
+{
+    if (radius > 0.0 && isfinite(radius))
+        return PM_OK;
+    return pm__fail(error, PM_EINVAL, "a light's radius is %g m, not above 0 and finite", radius);
+}
+
+static pm_status check_edges(const pm__light *light, pm_error *error)
+{
+    pm_status status = check_finite("edge[0]", light->edge[0], error);
+    if (!status)
+        status = check_finite("edge[1]", light->edge[1], error);
+    if (status)
+        return status;
+    double normal[3];
+    cross(light->edge[0], light->edge[1], normal);
+    const double area = pm__normalize(normal);
+    return area > 0.0 && isfinite(area) ? PM_OK
+                                        : pm__fail(error, PM_EINVAL, "a rectangle light's edges span %g m2", area);
+}
+
+pm_status pm__light_check(const pm__light *light, pm_error *error)
+{
+    pm_status status = check_power(light->power, error);
+    if (!status)
+        status = check_finite("position", light->position, error);
+    if (status)
+        return status;
+    switch (light->kind) {
+    case PM__POINT:
+        return PM_OK;
+    case PM__SPOT:
+        if (!(light->angle > 0.0 && light->angle <= pi))
+            return pm__fail(error, PM_EINVAL, "a spot's angle is %g, not above 0 and up to pi", light->angle);
+        return check_direction(light, error);
+    case PM__DIRECTIONAL:
+        status = check_radius(light->radius, error);
+        return status ? status : check_direction(light, error);
+    case PM__RECTANGLE:
+        return check_edges(light, error);
+    case PM__BALL:
+        return check_radius(light->radius, error);
+    }
+    return pm__fail(error, PM_EINVAL, "a light's kind is %d, which is none", (int)light->kind);
+}

@@ -1,0 +1,34 @@
+/* Lights: where photons come from. Power in W by band, all of it emitted. */
+#ifndef PM_SCENE_LIGHT_H
+#define PM_SCENE_LIGHT_H
+
+#include "../base/status.h"
+
+#include <stdbool.h>
+
+typedef enum pm__light_kind {
+    PM__POINT,       /* isotropic, or a cone: spot */
+    PM__SPOT,        /* uniform within `angle` of `direction` */
+    PM__DIRECTIONAL, /* parallel light along `direction` through the disc of `radius` about `position` */
+    PM__RECTANGLE,   /* Lambertian, from one side: that of cross(edge[0], edge[1]) */
+    PM__BALL         /* a Lambertian sphere of `radius` */
+} pm__light_kind;
+
+typedef struct pm__light {
+    pm__light_kind kind;
+    double power[3];     /* W */
+    double position[3];  /* m; of a rectangle its corner */
+    double direction[3]; /* unit */
+    double edge[2][3];   /* m */
+    double radius;       /* m */
+    double angle;        /* radian, of the cone's half */
+} pm__light;
+
+/* A photon as it leaves: u[4] uniform. Density of positions and directions as the light emits: all photons of a light
+ * carry the same power. */
+void pm__emit(const pm__light *light, const double u[4], double position[3], double direction[3]);
+
+/* EINVAL names what is not finite or out of range. */
+pm_status pm__light_check(const pm__light *light, pm_error *error);
+
+#endif

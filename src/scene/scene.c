@@ -1,0 +1,330 @@
+#include "../base/memory.h"
+#include "rays.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Creation ---------------------------------------------------------------------------------- */
+
+static void ignore_error(void *context, enum RTCError code, const char *text)
+{
+    (void)context;
+    (void)code;
+    (void)text;
+}
+
+/* What went wrong in Embree since it was last asked, if anything. */
+static pm_status embree_status(const pm__scene *scene, pm_error *error)
+{
+    const enum RTCError code = rtcGetDeviceError(scene->device);
+    if (code == RTC_ERROR_NONE)
+        return PM_OK;
+    if (code == RTC_ERROR_OUT_OF_MEMORY)
+        return pm__fail(error, PM_ENOMEM, "out of memory for the scene");
+    return pm__fail(error, PM_EINVAL, "Embree refuses the scene (its error %d)", (int)code);
+}
+
+pm_status pm__scene_create(pm__scene **scene, pm_error *error)
+{
+    *scene = NULL;
+    pm__scene *const made = calloc(1, sizeof *made);
+    if (!made)
+        return pm__fail(error, PM_ENOMEM, "out of memory for a scene");
+    for (int axis = 0; axis < 3; axis++) {
+        made->low[axis] = INFINITY;
+        made->high[axis] = -INFINITY;
+    }
+    made->device = rtcNewDevice("threads=1,verbose=0"); /* one thread is the caller's: none is started */
+    if (made->device) {
+        rtcSetDeviceErrorFunction(made->device, ignore_error, NULL);
+        made->rays = rtcNewScene(made->device);
+    }
+    if (!made->rays) {
+        pm__scene_destroy(made);
+        return pm__fail(error, PM_ENOMEM, "Embree cannot be started");
+    }
+    /* Robust: rays do not slip through between two triangles. */
+    rtcSetSceneFlags(made->rays, RTC_SCENE_FLAG_ROBUST);
+    *scene = made;
+    return PM_OK;
+}
+
+void pm__scene_destroy(pm__scene *scene)
+{
+    if (!scene)
+        return;
+    if (scene->rays)
+        rtcReleaseScene(scene->rays);
+    if (scene->device)
+        rtcReleaseDevice(scene->device);
+    for (size_t i = 0; i < scene->geometry_count; i++)
+        free(scene->geometries[i]);
+    free(scene->geometries);
+    free(scene->materials);
+    free(scene->lights);
+    free(scene);
+}
+
+/* ---- Materials and lights ---------------------------------------------------------------------- */
+
+static pm_status check_open(const pm__scene *scene, pm_error *error)
+{
+    if (scene->committed)
+        return pm__fail(error, PM_EINVAL, "the scene is committed: nothing can be added");
+    return PM_OK;
+}
+
+static pm_status no_memory(pm_error *error)
+{
+    return pm__fail(error, PM_ENOMEM, "out of memory for the scene");
+}
+
+pm_status pm__scene_material(pm__scene *scene, const pm__material *material, uint32_t *index, pm_error *error)
+{
+    if (check_open(scene, error) != PM_OK)
+        return PM_EINVAL;
+    const size_t count = scene->material_count;
+    pm_error fault;
+    if (pm__material_check(material, &fault) != PM_OK)
+        return pm__fail(error, PM_EINVAL, "material %zu: %s", count, fault.text);
+    if (pm__grow((void **)&scene->materials, &scene->material_capacity, count + 1, sizeof *material))
+        return no_memory(error);
+    scene->materials[count] = *material;
+    scene->material_count = count + 1;
+    *index = (uint32_t)count;
+    return PM_OK;
+}
+
+pm_status pm__scene_light(pm__scene *scene, const pm__light *light, pm_error *error)
+{
+    if (check_open(scene, error) != PM_OK)
+        return PM_EINVAL;
+    const pm_status status = pm__light_check(light, error);
+    if (status != PM_OK)
+        return status;
+    const size_t count = scene->light_count;
+    if (pm__grow((void **)&scene->lights, &scene->light_capacity, count + 1, sizeof *light))
+        return no_memory(error);
+    scene->lights[count] = *light;
+    scene->light_count = count + 1;
+    return PM_OK;
+}
+
+size_t pm__scene_light_count(const pm__scene *scene)
+{
+    return scene->light_count;
+}
+
+const pm__light *pm__scene_light_at(const pm__scene *scene, size_t index)
+{
+    return &scene->lights[index];
+}
+
+void pm__scene_power(const pm__scene *scene, double power[3])
+{
+    for (int band = 0; band < 3; band++) {
+        power[band] = 0.0;
+        for (size_t i = 0; i < scene->light_count; i++)
+            power[band] += scene->lights[i].power[band];
+    }
+}
+
+/* ---- Geometries -------------------------------------------------------------------------------- */
+
+static void enclose(pm__scene *scene, const double low[3], const double high[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        scene->low[axis] = fmin(scene->low[axis], low[axis]);
+        scene->high[axis] = fmax(scene->high[axis], high[axis]);
+    }
+}
+
+/* Room for one more geometry of `count` shapes, checked; *made is not in the scene yet. */
+static pm_status new_geometry(pm__scene *scene, uint32_t material, size_t count, pm__geometry **made, pm_error *error)
+{
+    if (check_open(scene, error) != PM_OK)
+        return PM_EINVAL;
+    const uint32_t number = scene->shape_count;
+    if (material >= scene->material_count)
+        return pm__fail(error, PM_EINVAL, "shape %u: there is no material %u", number, material);
+    if (count > PM__NO_SHAPE - number)
+        return pm__fail(error, PM_EINVAL, "shape %u: %zu more are too many", number, count);
+    if (pm__grow((void **)&scene->geometries, &scene->geometry_capacity, scene->geometry_count + 1, sizeof *made))
+        return no_memory(error);
+    *made = calloc(1, sizeof **made);
+    if (!*made)
+        return no_memory(error);
+    (*made)->scene = scene;
+    (*made)->first = number;
+    (*made)->count = (uint32_t)count;
+    (*made)->material = material;
+    return PM_OK;
+}
+
+/* Puts it into the scene; takes `embree` over. */
+static void attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree)
+{
+    rtcSetGeometryUserData(embree, made);
+    rtcCommitGeometry(embree);
+    rtcAttachGeometryByID(scene->rays, embree, (unsigned)scene->geometry_count);
+    rtcReleaseGeometry(embree);
+    scene->geometries[scene->geometry_count++] = made;
+    scene->shape_count += made->count;
+}
+
+static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t vertex_count,
+                            const uint32_t (*triangles)[3], size_t triangle_count, pm_error *error)
+{
+    for (size_t i = 0; i < vertex_count; i++)
+        for (int axis = 0; axis < 3; axis++)
+            if (!(fabs((double)vertices[i][axis]) <= PM__LARGEST_LENGTH))
+                return pm__fail(error, PM_EINVAL,
+                                "shape %u (mesh): vertex %zu (%g, %g, %g) is not finite or beyond %g m", first, i,
+                                (double)vertices[i][0], (double)vertices[i][1], (double)vertices[i][2],
+                                PM__LARGEST_LENGTH);
+    for (size_t i = 0; i < triangle_count; i++) {
+        const uint32_t *const t = triangles[i];
+        if (t[0] >= vertex_count || t[1] >= vertex_count || t[2] >= vertex_count)
+            return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) names a vertex beyond %zu",
+                            first, i, t[0], t[1], t[2], vertex_count);
+        double corner[3], normal[3];
+        if (!pm__triangle_plane(vertices, t, corner, normal))
+            return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) spans no area", first, i,
+                            t[0], t[1], t[2]);
+    }
+    return PM_OK;
+}
+
+pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vertices)[3], size_t vertex_count,
+                         const uint32_t (*triangles)[3], size_t triangle_count, pm_error *error)
+{
+    const uint32_t first = scene->shape_count;
+    if (vertex_count == 0 || triangle_count == 0)
+        return pm__fail(error, PM_EINVAL, "shape %u (mesh): %zu vertices and %zu triangles", first, vertex_count,
+                        triangle_count);
+    pm_status status = check_mesh(first, vertices, vertex_count, triangles, triangle_count, error);
+    pm__geometry *made = NULL;
+    if (status == PM_OK)
+        status = new_geometry(scene, material, triangle_count, &made, error);
+    if (status != PM_OK)
+        return status;
+    const RTCGeometry embree = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float(*const v)[3] = rtcSetNewGeometryBuffer(embree, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof *v,
+                                                 vertex_count);
+    uint32_t(*const t)[3] = rtcSetNewGeometryBuffer(embree, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof *t,
+                                                    triangle_count);
+    if (!v || !t) {
+        rtcReleaseGeometry(embree);
+        free(made);
+        status = embree_status(scene, error);
+        return status == PM_OK ? no_memory(error) : status;
+    }
+    memcpy(v, vertices, vertex_count * sizeof *v);
+    memcpy(t, triangles, triangle_count * sizeof *t);
+    made->vertices = (const float(*)[3])v;
+    made->triangles = (const uint32_t(*)[3])t;
+    pm__rays_triangles(embree);
+    attach(scene, made, embree);
+    for (size_t i = 0; i < vertex_count; i++) {
+        double corner[3];
+        for (int axis = 0; axis < 3; axis++)
+            corner[axis] = (double)vertices[i][axis];
+        enclose(scene, corner, corner);
+    }
+    return PM_OK;
+}
+
+static pm_status add_shape(pm__scene *scene, uint32_t material, const pm__shape *shape, pm_error *error)
+{
+    pm__shape prepared = *shape;
+    pm_status status = pm__shape_prepare(&prepared, scene->shape_count, error);
+    pm__geometry *made = NULL;
+    if (status == PM_OK)
+        status = new_geometry(scene, material, 1, &made, error);
+    if (status != PM_OK)
+        return status;
+    const RTCGeometry embree = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_USER);
+    if (!embree) {
+        free(made);
+        return no_memory(error);
+    }
+    made->shape = prepared;
+    pm__rays_shape(embree);
+    attach(scene, made, embree);
+    double low[3], high[3];
+    pm__shape_bounds(&prepared, low, high);
+    enclose(scene, low, high);
+    return PM_OK;
+}
+
+static void copy(double to[3], const double from[3])
+{
+    memcpy(to, from, 3 * sizeof *to);
+}
+
+pm_status pm__scene_sphere(pm__scene *scene, uint32_t material, const double centre[3], double radius, bool inward,
+                           pm_error *error)
+{
+    pm__shape shape = {.kind = PM__SHAPE_SPHERE, .radius = radius, .inward = inward};
+    copy(shape.centre, centre);
+    return add_shape(scene, material, &shape, error);
+}
+
+pm_status pm__scene_cylinder(pm__scene *scene, uint32_t material, const double centre[2], double radius, double low,
+                             double high, double from, bool inward, pm_error *error)
+{
+    const pm__shape shape = {.kind = PM__SHAPE_CYLINDER,
+                             .inward = inward,
+                             .centre = {centre[0], centre[1], 0.0},
+                             .radius = radius,
+                             .low = low,
+                             .high = high,
+                             .from = from};
+    return add_shape(scene, material, &shape, error);
+}
+
+pm_status pm__scene_rectangle(pm__scene *scene, uint32_t material, const double corner[3], const double u[3],
+                              const double v[3], pm_error *error)
+{
+    pm__shape shape = {.kind = PM__SHAPE_RECTANGLE};
+    copy(shape.centre, corner);
+    copy(shape.edge[0], u);
+    copy(shape.edge[1], v);
+    return add_shape(scene, material, &shape, error);
+}
+
+pm_status pm__scene_disc(pm__scene *scene, uint32_t material, const double centre[3], const double normal[3],
+                         double radius, pm_error *error)
+{
+    pm__shape shape = {.kind = PM__SHAPE_DISC, .radius = radius};
+    copy(shape.centre, centre);
+    copy(shape.normal, normal);
+    return add_shape(scene, material, &shape, error);
+}
+
+pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, double amplitude, double wavenumber,
+                         const double extent[2], pm_error *error)
+{
+    const pm__shape shape = {.kind = PM__SHAPE_WAVE,
+                             .centre = {0.0, 0.0, height},
+                             .amplitude = amplitude,
+                             .wavenumber = wavenumber,
+                             .extent = {extent[0], extent[1]}};
+    return add_shape(scene, material, &shape, error);
+}
+
+pm_status pm__scene_commit(pm__scene *scene, pm_error *error)
+{
+    if (check_open(scene, error) != PM_OK)
+        return PM_EINVAL;
+    if (scene->geometry_count == 0 || scene->light_count == 0)
+        return pm__fail(error, PM_EINVAL, "the scene has no %s", scene->geometry_count ? "light" : "shape");
+    for (int axis = 0; axis < 3; axis++)
+        scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
+    rtcCommitScene(scene->rays);
+    const pm_status status = embree_status(scene, error);
+    scene->committed = status == PM_OK;
+    return status;
+}

@@ -1,0 +1,164 @@
+#include "paths.h"
+
+#include "../base/random.h"
+
+#include <float.h>
+
+/* A photon on its way. */
+typedef struct carrier {
+    uint64_t number;
+    double position[3], direction[3], power[3];
+    uint32_t shape;             /* that it stands on */
+    const pm__material *medium; /* the glass that it is in; NULL: none */
+    pm__places places;
+} carrier;
+
+/* What is the same for all photons of a call. */
+typedef struct job {
+    const pm__trace_config *config;
+    double total; /* of all lights and bands, W: what lights are chosen by */
+    pm__store store;
+    void *context;
+} job;
+
+/* Three uniform numbers of 42 bits from one block: a bounce takes a block of its own, so what a photon meets does not
+ * depend on how many numbers were taken before. */
+static void uniform3(const pm__trace_config *config, uint64_t number, uint32_t block, double u[3])
+{
+    uint32_t w[4];
+    pm__random_words(config->seed, PM__FOR_TRACING, config->trial, number, block, w);
+    for (int i = 0; i < 3; i++)
+        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
+}
+
+static double sum(const double power[3])
+{
+    return power[0] + power[1] + power[2];
+}
+
+/* By power: the photons of all lights then carry about the same. */
+static const pm__light *choose_light(const job *work, double u, double *chance)
+{
+    const pm__scene *const scene = work->config->scene;
+    const size_t count = pm__scene_light_count(scene);
+    const pm__light *chosen = NULL;
+    double before = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const pm__light *const light = pm__scene_light_at(scene, i);
+        const double power = sum(light->power);
+        if (power > 0.0) {
+            chosen = light;
+            *chance = power / work->total;
+        }
+        before += power;
+        if (u * work->total < before)
+            break;
+    }
+    return chosen;
+}
+
+static void emit(const job *work, uint64_t number, carrier *photon)
+{
+    double u[6], chance = 1.0;
+    uniform3(work->config, number, 0, u);
+    uniform3(work->config, number, 1, u + 3);
+    const pm__light *const light = choose_light(work, u[4], &chance);
+    pm__emit(light, u, photon->position, photon->direction);
+    for (int b = 0; b < 3; b++)
+        photon->power[b] = light->power[b] / chance;
+    photon->number = number;
+    photon->shape = PM__NO_SHAPE;
+    photon->medium = NULL;
+}
+
+/* The paths' automaton on a letter; true while something can still be stored. */
+static void note(const job *work, carrier *photon, char letter)
+{
+    if (work->config->paths)
+        photon->places = pm__paths_step(work->config->paths, photon->places, letter);
+}
+
+static bool is_wanted(const job *work, const carrier *photon)
+{
+    return !work->config->paths || pm__paths_accept(work->config->paths, photon->places);
+}
+
+static bool is_over(const job *work, const carrier *photon)
+{
+    return work->config->paths && pm__paths_dead(work->config->paths, photon->places);
+}
+
+/* Beer's law over the way to the surface. A photon that comes to a glass boundary from within was in that glass, also
+ * where a light stands inside. */
+static void absorb(carrier *photon, const pm__hit *hit)
+{
+    const bool within = hit->material->kind == PM__GLASS && pm__dot(photon->direction, hit->normal) > 0.0;
+    const pm__material *const medium = within ? hit->material : photon->medium;
+    if (medium)
+        pm__beer(medium, hit->distance, photon->power);
+}
+
+/* false: the receiver wants no more. */
+static bool deposit(const job *work, const carrier *photon, const pm__hit *hit)
+{
+    pm__stored stored;
+    const double sign = pm__dot(photon->direction, hit->normal) > 0.0 ? -1.0 : 1.0;
+    for (int i = 0; i < 3; i++) {
+        stored.position[i] = hit->position[i];
+        stored.direction[i] = photon->direction[i];
+        stored.normal[i] = sign * hit->normal[i];
+        stored.power[i] = photon->power[i];
+    }
+    return work->store(work->context, photon->number, &stored);
+}
+
+/* Off the surface, or false where the photon ends. */
+static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int count)
+{
+    double u[3], outgoing[3];
+    uniform3(work->config, photon->number, 2 + (uint32_t)count, u);
+    if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
+        return false;
+    if (hit->material->kind == PM__GLASS)
+        photon->medium = pm__dot(outgoing, hit->normal) < 0.0 ? hit->material : NULL;
+    for (int i = 0; i < 3; i++) {
+        photon->position[i] = hit->position[i];
+        photon->direction[i] = outgoing[i];
+    }
+    photon->shape = hit->shape;
+    /* Only the printed glossy formula adds power; what a float cannot hold no map can. */
+    return sum(photon->power) < FLT_MAX;
+}
+
+static bool trace_photon(const job *work, uint64_t number)
+{
+    carrier photon = {.places = pm__paths_begin()};
+    emit(work, number, &photon);
+    note(work, &photon, 'L');
+    for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
+        pm__hit hit;
+        if (!pm__scene_intersect(work->config->scene, photon.position, photon.direction, INFINITY, photon.shape,
+                                 &hit) ||
+            hit.material->kind == PM__BLACK)
+            break;
+        absorb(&photon, &hit);
+        const bool rough = pm__is_rough(hit.material);
+        note(work, &photon, rough ? 'D' : 'S');
+        if (rough && is_wanted(work, &photon) && !deposit(work, &photon, &hit))
+            return false;
+        if (is_over(work, &photon) || !bounce(work, &photon, &hit, count))
+            break;
+    }
+    return true;
+}
+
+uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+{
+    double power[3];
+    pm__scene_power(config->scene, power);
+    const job work = {config, sum(power), store, context};
+    for (uint64_t i = 0; i < count; i++)
+        if (!trace_photon(&work, first + i))
+            return i + 1;
+    return count;
+}
