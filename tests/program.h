@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <jansson.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
 
@@ -50,6 +51,17 @@ static inline void pm__redirect(int fd, const char *path)
     (void)close(file);
 }
 
+/* Signals as a terminal's shell leaves them: nohup and background jobs ignore some, and the program would too. */
+static inline void pm__reset_signals(void)
+{
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    sigset_t none;
+    (void)sigemptyset(&none);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        (void)signal(signals[i], SIG_DFL);
+}
+
 /* Starts the program; arguments separated by blanks. out: where standard output goes. */
 static inline pid_t pm__start(const char *arguments, const char *out, const char *err)
 {
@@ -58,6 +70,7 @@ static inline pid_t pm__start(const char *arguments, const char *out, const char
     if (child == 0) {
         pm__redirect(STDOUT_FILENO, out);
         pm__redirect(STDERR_FILENO, err);
+        pm__reset_signals();
         pm__exec(arguments);
     }
     return child;
