@@ -16,14 +16,6 @@ static const pm__param params[] = {
     {.name = "thickness", .type = PM__REAL, .value = 0.2, .min = 0.01, .max = 2.0, .unit = "m", .help = "of the plate"},
 };
 
-static const pm__region regions[] = {
-    {"all", "within 2 m of the foot of the light", false, false},
-    {"foot", "within 0.25 m of the foot of the light", false, false},
-    {"far", "1.5 to 2 m from the foot of the light", false, false},
-};
-
-static const double probed[][2] = {{0.0, 2.0}, {0.0, 0.25}, {1.5, 2.0}};
-
 static pm__layered layers(const double *values)
 {
     return (pm__layered){.air = below + above, .layer = values[THICKNESS], .n = values[IOR], .cone = pi * 75.0 / 180.0,
@@ -36,23 +28,16 @@ static double power(const double *values)
     return pm__layered_power(&l);
 }
 
-static void probe(const double *values, size_t region, const double *u, pm__probe *point)
-{
-    (void)values;
-    pm__probe_ring(0.0, 0.0, probed[region][0], probed[region][1], u, point);
-}
-
 static double truth(const double *values, const pm__probe *point)
 {
     const pm__layered l = layers(values);
-    return pm__layered_irradiance(&l, hypot(point->position[0], point->position[1]));
+    return pm__layered_truth(&l, point);
 }
 
 static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
 {
     const pm__layered l = layers(values);
-    const double rho = hypot(point->position[0], point->position[1]);
-    return pm__accepts_down(point, shape) ? pm__layered_mass(&l, rho, r0, r1) : 0.0;
+    return pm__layered_within(&l, point, shape, r0, r1);
 }
 
 /* The two faces; the normals point out of the glass. */
@@ -93,10 +78,10 @@ const pm__case pm__case_scene_plate = {
     .dimensions = 2,
     .sample_dimensions = 4,
     .strata_dimensions = 2,
-    .regions = regions,
-    .region_count = sizeof regions / sizeof *regions,
+    .regions = pm__layered_regions,
+    .region_count = PM__LAYERED_REGIONS,
     .power = power,
-    .probe = probe,
+    .probe = pm__layered_probe,
     .truth = truth,
     .mass = mass,
     .build = build,

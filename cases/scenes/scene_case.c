@@ -299,3 +299,28 @@ pm_status pm__scene_lamp(pm__scene *scene, pm__light_kind kind, double z, double
                              .direction = {0, 0, -1}, .radius = radius, .angle = angle};
     return pm__scene_light(scene, &light, error);
 }
+
+const pm__region pm__layered_regions[PM__LAYERED_REGIONS] = {
+    {"all", "within 2 m of the foot of the light", false, false},
+    {"foot", "within 0.25 m of the foot of the light", false, false},
+    {"far", "1.5 to 2 m from the foot of the light", false, false},
+};
+
+void pm__layered_probe(const double *values, size_t region, const double *u, pm__probe *point)
+{
+    static const double probed[PM__LAYERED_REGIONS][2] = {{0.0, 2.0}, {0.0, 0.25}, {1.5, 2.0}};
+    (void)values;
+    pm__probe_ring(0.0, 0.0, probed[region][0], probed[region][1], u, point);
+}
+
+double pm__layered_truth(const pm__layered *layered, const pm__probe *point)
+{
+    return pm__layered_irradiance(layered, hypot(point->position[0], point->position[1]));
+}
+
+double pm__layered_within(const pm__layered *layered, const pm__probe *point, const pm__shape *shape, double r0,
+                          double r1)
+{
+    const double rho = hypot(point->position[0], point->position[1]);
+    return pm__accepts_down(point, shape) ? pm__layered_mass(layered, rho, r0, r1) : 0.0;
+}

@@ -61,6 +61,15 @@ typedef struct pm__layered {
 double pm__layered_irradiance(const pm__layered *layered, double rho);
 /* The power, W, at distances in (r0, r1] from a point rho from the foot; NAN where that reaches beyond the light. */
 double pm__layered_mass(const pm__layered *layered, double rho, double r0, double r1);
+/* What the cases of layers share beside that: regions by the distance from the foot, and their probes; irradiance and
+ * power within a lookup at a probe. */
+enum { PM__LAYERED_REGIONS = 3 };
+extern const pm__region pm__layered_regions[PM__LAYERED_REGIONS];
+void pm__layered_probe(const double *values, size_t region, const double *u, pm__probe *point);
+double pm__layered_truth(const pm__layered *layered, const pm__probe *point);
+double pm__layered_within(const pm__layered *layered, const pm__probe *point, const pm__shape *shape, double r0,
+                          double r1);
+
 /* All the power, W, that reaches the floor; and how far from the foot. */
 double pm__layered_power(const pm__layered *layered);
 double pm__layered_extent(const pm__layered *layered);

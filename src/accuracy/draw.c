@@ -65,10 +65,10 @@ static bool store(void *context, uint64_t number, const pm__stored *photon)
  * 37; inverse binomial sampling). */
 static pm_status trace_photons(const pm__job *job, uint32_t trial, uint32_t parts, tracing *t)
 {
-    enum { FEWEST = 100000 }; /* photons emitted for each that is wanted, before it is given up */
+    enum { PATIENCE = 100000 }; /* photons emitted for each that is wanted, before it is given up */
     const pm__trace_config config = {job->scene, job->paths, job->config->seed, trial};
-    const uint64_t most = (uint64_t)FEWEST * t->wanted;
-    (void)pm__trace(&config, 0, most, store, t);
+    const uint64_t most = (uint64_t)PATIENCE * t->wanted;
+    (void)pm__trace(&config, 0, most < PM__MOST_TRACED ? most : PM__MOST_TRACED, store, t);
     if (t->stored < t->wanted)
         return PM_EINVAL;
     const double share = t->wanted > 1 ? (double)(t->wanted - 1) / (double)(t->emitted - 1) : 1.0 / (double)t->emitted;

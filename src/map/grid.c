@@ -1,5 +1,6 @@
 /* The grid of grid.h: its frame from a sample, its cells by a counting sort. */
 #include "grid.h"
+#include "bulk.h"
 #include "structure.h"
 
 #include "../base/memory.h"
@@ -14,23 +15,16 @@ enum {
     CROWDED = 2 * PHOTONS_A_CELL
 };
 
-static int by_value(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-/* The range along an axis of all but the outermost photons: 0.5 % at each end of a sample, widened so that a uniform
- * cloud is covered whole. */
+/* The range of the bulk along an axis, widened so that a uniform cloud is covered whole. */
 static void bulk(const pm__item *items, size_t count, unsigned axis, double *low, double *high)
 {
-    float sample[SAMPLE];
+    float sample[SAMPLE], first = 0.0f, last = 0.0f;
     const size_t n = count < SAMPLE ? count : SAMPLE;
     for (size_t i = 0; i < n; i++)
         sample[i] = items[(size_t)((double)i / (double)n * (double)count)].position[axis];
-    qsort(sample, n, sizeof *sample, by_value);
-    const size_t skipped = n / 200;
-    const double from = (double)sample[skipped], to = (double)sample[n - 1 - skipped];
+    if (n)
+        pm__bulk(sample, n, &first, &last);
+    const double from = (double)first, to = (double)last;
     double least = INFINITY, most = -INFINITY;
     for (size_t i = 0; i < count; i++) {
         const double x = (double)items[i].position[axis];

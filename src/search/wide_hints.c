@@ -3,6 +3,7 @@
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
+#include "../map/bulk.h"
 #include "../map/wide.h"
 
 #include <stdlib.h>
@@ -15,12 +16,6 @@ enum {
     SAMPLE = 1024,
     CHUNK = 256
 };
-
-static int by_value(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
 
 static void middle_photon(const pm_map *map, size_t block, float position[3])
 {
@@ -38,8 +33,8 @@ static void frame(const pm_map *map, float low[3], float extent[3])
             middle_photon(map, i * map->block_count / SAMPLE, position);
             sample[i] = position[a];
         }
-        qsort(sample, SAMPLE, sizeof *sample, by_value);
-        const float from = sample[SAMPLE / 200], to = sample[SAMPLE - 1 - SAMPLE / 200];
+        float from, to;
+        pm__bulk(sample, SAMPLE, &from, &to);
         low[a] = from - 0.01f * (to - from);
         extent[a] = 1.02f * (to - from);
     }

@@ -73,10 +73,8 @@ static void find_within(const walk *w, int32_t block)
     list.most = LISTED;
     if (!list_near(w, block, box_bound(w, w->query->max_distance2), &list))
         hand_over_far(w);
-    else if (is_plain(w->query))
-        hand_over(w, &list, true);
     else
-        hand_over(w, &list, false);
+        hand_over_list(w, &list);
 }
 
 static void find(const pm_map *map, const pm__query *query, pm__result *result)
@@ -137,7 +135,7 @@ static void find_batch(const pm_map *map, const pm__query *queries, pm__result *
         if (queries[i].k)
             finish_stage(t);
         else if (t->listed)
-            hand_over(&t->w, &t->list, false);
+            hand_over_list(&t->w, &t->list);
         else
             hand_over_far(&t->w);
     }

@@ -185,4 +185,12 @@ static inline void hand_over(const walk *w, const block_list *list, const bool p
         }
 }
 
+static inline void hand_over_list(const walk *w, const block_list *list)
+{
+    if (is_plain(w->query))
+        hand_over(w, list, true);
+    else
+        hand_over(w, list, false);
+}
+
 #endif

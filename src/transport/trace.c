@@ -71,7 +71,7 @@ static void emit(const job *work, uint64_t number, carrier *photon)
     photon->medium = NULL;
 }
 
-/* The paths' automaton on a letter; true while something can still be stored. */
+/* The paths' automaton takes a letter. */
 static void note(const job *work, carrier *photon, char letter)
 {
     if (work->config->paths)

@@ -8,6 +8,9 @@
 
 enum { PM__LONGEST_PATH = 1000 };
 
+/* Photon numbers lie below. */
+#define PM__MOST_TRACED ((uint64_t)1 << 40)
+
 /* Which stored photons are wanted, by their light path: Heckbert's grammar with L (light), S (mirror or glass) and D
  * (rough) as a POSIX extended regular expression that must match the whole path up to the surface where the photon is
  * stored: "LD" direct, "LS+D" caustics, "L.*D" all. "LSSD" is two specular events. Of the syntax: L S D . [..] [^..]
