@@ -8,12 +8,14 @@
 
 #include "../src/base/param.h"
 #include "../src/base/vec3.h"
+#include "../src/scene/camera.h"
 #include "../src/scene/scene.h"
 
 /* A point where an estimate is asked for. */
 typedef struct pm__probe {
     double position[3];
     double normal[3]; /* unit; the side that is asked for */
+    double outgoing[3]; /* cases of radiance (brdf): unit, toward who looks */
 } pm__probe;
 
 /* How a lookup is shaped: as pm_query says it. */
@@ -52,7 +54,9 @@ typedef struct pm__case {
     /* A point uniform by area (volume) in a region, from u[0..2]. */
     void (*probe)(const double *values, size_t region, const double *u, pm__probe *probe);
 
-    /* Exact irradiance on the probe's side. */
+    /* Exact irradiance on the probe's side (with `brdf` radiance, W/(m2 sr)). Of scenes: at any point of any rough
+     * surface, NAN where it is not known. NULL: a scene without an exact answer, to be rendered only; then it has no
+     * paths, regions, power, probe and mass. */
     double (*truth)(const double *values, const pm__probe *probe);
 
     /* Theory. mass: the power, W, of the photons expected at distances in (r0, r1] (in the lookup's metric) from the
@@ -68,6 +72,14 @@ typedef struct pm__case {
      * Such a case has no `photon`: its photons are those that pm__trace stores along `paths`, and `power` is what they
      * carry together, or NAN where no formula is known. NULL: photons are drawn from the irradiance. */
     pm_status (*build)(const double *values, pm__scene *scene, pm_error *error);
+
+    /* Scenes: where they are looked at from. */
+    void (*view)(const double *values, pm__view *view);
+    /* Exact irradiance where bands differ (truth is then that of red); NULL: all bands as truth. */
+    void (*truth_bands)(const double *values, const pm__probe *probe, double truth[3]);
+    /* Cases of radiance: 1/sr, for light that travels along `incoming` and leaves along `outgoing`; NULL: irradiance is
+     * asked for. */
+    void (*brdf)(const double *values, const double incoming[3], const double outgoing[3], double value[3]);
 } pm__case;
 
 static inline bool pm__is_traced(const pm__case *subject)

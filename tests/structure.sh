@@ -9,8 +9,8 @@ fail() {
 }
 
 # A folder may include what stands before it here, and itself.
-layers="src/base src/map src/search estimators src/lookup src/stats src/scene src/transport cases src/accuracy bench"
-layers="$layers src/cli tests"
+layers="src/base src/map src/search estimators src/lookup src/stats src/scene src/transport src/image"
+layers="$layers cases src/methods src/accuracy bench src/cli tests"
 rank() {
     n=0
     for layer in $layers; do

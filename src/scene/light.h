@@ -1,4 +1,4 @@
-/* Lights: where photons come from. Power in W by band, all of it emitted. */
+/* Lights: where photons come from, and what is seen of them. Power in W by band, all of it emitted. */
 #ifndef PM_SCENE_LIGHT_H
 #define PM_SCENE_LIGHT_H
 
@@ -11,7 +11,7 @@ typedef enum pm__light_kind {
     PM__SPOT,        /* uniform within `angle` of `direction` */
     PM__DIRECTIONAL, /* parallel light along `direction` through the disc of `radius` about `position` */
     PM__RECTANGLE,   /* Lambertian, from one side: that of cross(edge[0], edge[1]) */
-    PM__BALL         /* a Lambertian sphere of `radius` */
+    PM__BALL         /* a Lambertian sphere of `radius`; `inward`: its inside shines */
 } pm__light_kind;
 
 typedef struct pm__light {
@@ -22,11 +22,29 @@ typedef struct pm__light {
     double edge[2][3];   /* m */
     double radius;       /* m */
     double angle;        /* radian, of the cone's half */
+    bool inward;
 } pm__light;
 
 /* A photon as it leaves: u[4] uniform. Density of positions and directions as the light emits: all photons of a light
  * carry the same power. */
 void pm__emit(const pm__light *light, const double u[4], double position[3], double direction[3]);
+
+/* Lights are immaterial: nothing is hidden by them, rays pass through.
+ *
+ * Light that arrives at a point, sampled: u[2] uniform. irradiance: W/m2 on a surface that faces it, by band, over the
+ * chance of the sample: its mean times BRDF and cosine is the reflected radiance, if nothing is in between. false: none
+ * arrives there. */
+typedef struct pm__light_sample {
+    double direction[3]; /* unit, toward the light */
+    double position[3];  /* m, on the light; of parallel light where it starts */
+    double irradiance[3];
+} pm__light_sample;
+bool pm__light_reach(const pm__light *light, const double point[3], const double u[2], pm__light_sample *sample);
+
+/* Adds the radiance, W/(m2 sr), that the light sends against a ray: what the ray passes within `reach`. Only rectangles
+ * and balls can be seen. */
+void pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
+                    double radiance[3]);
 
 /* EINVAL names what is not finite or out of range. */
 pm_status pm__light_check(const pm__light *light, pm_error *error);

@@ -26,6 +26,7 @@ typedef struct pm__material {
     bool printed;         /* glossy: the printed formula instead of the form that conserves energy */
     double ior[3];        /* glass: of the inside (against the normal) over the outside, > 0 */
     double absorption[3]; /* glass: of the inside, 1/m, >= 0 */
+    double outside[3];    /* glass: absorption of what the normal points into, where that is not air */
 } pm__material;
 
 /* EINVAL names what is not finite or out of range. */

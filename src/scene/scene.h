@@ -44,6 +44,16 @@ pm_status pm__scene_disc(pm__scene *scene, uint32_t material, const double centr
 pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, double amplitude, double wavenumber,
                          const double extent[2], pm_error *error);
 
+/* A part: shapes that stand in the scene as often as they are placed. Filled by the calls above (materials of its own,
+ * no lights), then placed; it belongs to the scene, and nothing can be added once it has been placed. No parts of
+ * parts. */
+pm_status pm__scene_part(pm__scene *scene, pm__scene **part, pm_error *error);
+/* Placed by p -> scale rotation p + offset. rotation: rows, orthonormal; scale > 0. EINVAL: no such. */
+typedef struct pm__placement {
+    double rotation[3][3], scale, offset[3];
+} pm__placement;
+pm_status pm__scene_place(pm__scene *scene, pm__scene *part, const pm__placement *placement, pm_error *error);
+
 /* No shape or light can be added afterwards. EINVAL: no shape, no light. */
 pm_status pm__scene_commit(pm__scene *scene, pm_error *error);
 
@@ -51,6 +61,14 @@ size_t pm__scene_light_count(const pm__scene *scene);
 const pm__light *pm__scene_light_at(const pm__scene *scene, size_t index);
 /* The sum over lights, by band. */
 void pm__scene_power(const pm__scene *scene, double power[3]);
+
+/* The objects of a committed scene, those of placed parts included: a mesh is one. Boxes about them, m. */
+typedef struct pm__object {
+    double low[3], high[3];
+    const pm__material *material;
+} pm__object;
+size_t pm__scene_object_count(const pm__scene *scene);
+pm__object pm__scene_object(const pm__scene *scene, size_t index);
 
 typedef struct pm__hit {
     double distance;      /* m */

@@ -1,0 +1,40 @@
+/* Images in memory, and OpenEXR files of them: scanlines, ZIP, 32-bit float, through OpenEXR's C API. */
+#ifndef PM_IMAGE_IMAGE_H
+#define PM_IMAGE_IMAGE_H
+
+#include "../base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum { PM__MOST_PIXELS = 1 << 28 }; /* of an image that is read */
+
+typedef struct pm__image {
+    size_t width, height;
+    int channels;  /* 3: R G B; 1: Y */
+    float *values; /* row by row from the top, a pixel's channels together */
+} pm__image;
+
+/* All 0. ENOMEM, EINVAL for no pixels or too many; *image is then empty. */
+pm_status pm__image_create(size_t width, size_t height, int channels, pm__image *image, pm_error *error);
+void pm__image_free(pm__image *image); /* an empty one is allowed */
+
+/* Header attributes, beside those that the format wants. */
+typedef struct pm__attribute {
+    const char *name;
+    const char *text; /* NULL: a number */
+    double number;
+} pm__attribute;
+
+/* Writes the image to an open file, which need not be seekable. half: 16-bit floats instead. Values that are not finite
+ * are written as they are. EIO, ENOMEM; the file's owner checks its close. */
+pm_status pm__exr_write(FILE *file, const pm__image *image, bool half, const pm__attribute *attributes, size_t count,
+                        pm_error *error);
+
+/* Reads R G B or Y (any pixel type, other channels passed over) from a file, or from memory that `name` stands for in
+ * messages. EIO, EFORMAT (error names the file and what was expected), ENOMEM. */
+pm_status pm__exr_read(const char *path, pm__image *image, pm_error *error);
+pm_status pm__exr_read_memory(const void *bytes, size_t size, const char *name, pm__image *image, pm_error *error);
+
+#endif

@@ -1,0 +1,52 @@
+#include "camera.h"
+
+#include "../base/vec3.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+static bool is_finite(const double v[3])
+{
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm__camera *camera, pm_error *error)
+{
+    static const double pi = 3.14159265358979323846;
+    double ahead[3], right[3], down[3];
+    if (!is_finite(view->eye) || !is_finite(view->at) || !is_finite(view->up))
+        return pm__fail(error, PM_EINVAL, "the camera's eye, at and up must be finite");
+    if (!(view->angle > 0.0 && view->angle < pi))
+        return pm__fail(error, PM_EINVAL, "the camera's angle is %g radian, not above 0 and below pi", view->angle);
+    if (!width || !height)
+        return pm__fail(error, PM_EINVAL, "an image of %zu x %zu pixels", width, height);
+    for (int i = 0; i < 3; i++)
+        ahead[i] = view->at[i] - view->eye[i];
+    if (!(pm__normalize(ahead) > 0.0))
+        return pm__fail(error, PM_EINVAL, "the camera looks at the point where it stands");
+    cross(ahead, view->up, right);
+    if (!(pm__normalize(right) > 1e-9 * sqrt(pm__dot(view->up, view->up))))
+        return pm__fail(error, PM_EINVAL, "the camera's up is along its view");
+    cross(ahead, right, down);
+    const double pixel = 2.0 * tan(0.5 * view->angle) / (double)height;
+    for (int i = 0; i < 3; i++) {
+        camera->eye[i] = view->eye[i];
+        camera->right[i] = pixel * right[i];
+        camera->down[i] = pixel * down[i];
+        camera->corner[i] = ahead[i] - 0.5 * ((double)width * camera->right[i] + (double)height * camera->down[i]);
+    }
+    return PM_OK;
+}
+
+void pm__camera_direction(const pm__camera *camera, double x, double y, double direction[3])
+{
+    for (int i = 0; i < 3; i++)
+        direction[i] = camera->corner[i] + x * camera->right[i] + y * camera->down[i];
+    pm__normalize(direction);
+}

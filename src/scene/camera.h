@@ -1,0 +1,25 @@
+/* A pinhole camera: where a scene is looked at from. Lengths in m. */
+#ifndef PM_SCENE_CAMERA_H
+#define PM_SCENE_CAMERA_H
+
+#include "../base/status.h"
+
+#include <stddef.h>
+
+typedef struct pm__view {
+    double eye[3], at[3], up[3]; /* up: any length, not along the view */
+    double angle;                /* radian, of the whole height of the image, > 0 and < pi */
+} pm__view;
+
+typedef struct pm__camera {
+    double eye[3];
+    double corner[3], right[3], down[3]; /* of the image plane at distance 1; a pixel's steps */
+} pm__camera;
+
+/* EINVAL: not finite, eye and at are one point, up along the view, an angle out of range, no pixels. */
+pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm__camera *camera, pm_error *error);
+
+/* The unit direction through the point (x, y) of the image, in pixels from its upper left corner. */
+void pm__camera_direction(const pm__camera *camera, double x, double y, double direction[3]);
+
+#endif
