@@ -6,6 +6,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Boxes ------------------------------------------------------------------------------------- */
+
+static void enclose(double low[3], double high[3], const double point[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = fmin(low[axis], point[axis]);
+        high[axis] = fmax(high[axis], point[axis]);
+    }
+}
+
+static void empty_box(double low[3], double high[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = INFINITY;
+        high[axis] = -INFINITY;
+    }
+}
+
 /* ---- Creation ---------------------------------------------------------------------------------- */
 
 static void ignore_error(void *context, enum RTCError code, const char *text)
@@ -32,10 +50,7 @@ pm_status pm__scene_create(pm__scene **scene, pm_error *error)
     pm__scene *const made = calloc(1, sizeof *made);
     if (!made)
         return pm__fail(error, PM_ENOMEM, "out of memory for a scene");
-    for (int axis = 0; axis < 3; axis++) {
-        made->low[axis] = INFINITY;
-        made->high[axis] = -INFINITY;
-    }
+    empty_box(made->low, made->high);
     made->device = rtcNewDevice("threads=1,verbose=0"); /* one thread is the caller's: none is started */
     if (made->device) {
         rtcSetDeviceErrorFunction(made->device, ignore_error, NULL);
@@ -62,6 +77,7 @@ void pm__scene_destroy(pm__scene *scene)
     for (size_t i = 0; i < scene->geometry_count; i++)
         free(scene->geometries[i]);
     free(scene->geometries);
+    free(scene->objects);
     free(scene->materials);
     free(scene->lights);
     free(scene);
@@ -133,14 +149,6 @@ void pm__scene_power(const pm__scene *scene, double power[3])
 
 /* ---- Geometries -------------------------------------------------------------------------------- */
 
-static void enclose(pm__scene *scene, const double low[3], const double high[3])
-{
-    for (int axis = 0; axis < 3; axis++) {
-        scene->low[axis] = fmin(scene->low[axis], low[axis]);
-        scene->high[axis] = fmax(scene->high[axis], high[axis]);
-    }
-}
-
 /* Room for one more geometry of `count` shapes, checked; *made is not in the scene yet. */
 static pm_status new_geometry(pm__scene *scene, uint32_t material, size_t count, pm__geometry **made, pm_error *error)
 {
@@ -172,6 +180,8 @@ static void attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree)
     rtcReleaseGeometry(embree);
     scene->geometries[scene->geometry_count++] = made;
     scene->shape_count += made->count;
+    enclose(scene->low, scene->high, made->low);
+    enclose(scene->low, scene->high, made->high);
 }
 
 static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t vertex_count,
@@ -195,6 +205,15 @@ static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t v
                             t[0], t[1], t[2]);
     }
     return PM_OK;
+}
+
+static void box_of(pm__geometry *made, const float (*vertices)[3], size_t count)
+{
+    empty_box(made->low, made->high);
+    for (size_t i = 0; i < count; i++) {
+        const double corner[3] = {(double)vertices[i][0], (double)vertices[i][1], (double)vertices[i][2]};
+        enclose(made->low, made->high, corner);
+    }
 }
 
 pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vertices)[3], size_t vertex_count,
@@ -226,13 +245,8 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
     made->vertices = (const float(*)[3])v;
     made->triangles = (const uint32_t(*)[3])t;
     pm__rays_triangles(embree);
+    box_of(made, vertices, vertex_count);
     attach(scene, made, embree);
-    for (size_t i = 0; i < vertex_count; i++) {
-        double corner[3];
-        for (int axis = 0; axis < 3; axis++)
-            corner[axis] = (double)vertices[i][axis];
-        enclose(scene, corner, corner);
-    }
     return PM_OK;
 }
 
@@ -252,10 +266,8 @@ static pm_status add_shape(pm__scene *scene, uint32_t material, const pm__shape 
     }
     made->shape = prepared;
     pm__rays_shape(embree);
+    pm__shape_bounds(&prepared, made->low, made->high);
     attach(scene, made, embree);
-    double low[3], high[3];
-    pm__shape_bounds(&prepared, low, high);
-    enclose(scene, low, high);
     return PM_OK;
 }
 
@@ -323,8 +335,11 @@ pm_status pm__scene_commit(pm__scene *scene, pm_error *error)
         return pm__fail(error, PM_EINVAL, "the scene has no %s", scene->geometry_count ? "light" : "shape");
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
+    pm_status status = pm__scene_list_objects(scene, error);
+    if (status != PM_OK)
+        return status;
     rtcCommitScene(scene->rays);
-    const pm_status status = embree_status(scene, error);
+    status = embree_status(scene, error);
     scene->committed = status == PM_OK;
     return status;
 }
