@@ -51,7 +51,8 @@ static void make_shapes(pm__shape shapes[SHAPES])
 {
     memset(shapes, 0, SHAPES * sizeof *shapes);
     shapes[0] = sphere(0.3, -0.2, 0.5, 0.4);
-    shapes[1] = (pm__shape){.kind = PM__SHAPE_DISC, .centre = {-0.5, 0.2, 0.0}, .normal = {0.6, 0.0, 0.8}, .radius = 0.5};
+    shapes[1] =
+        (pm__shape){.kind = PM__SHAPE_DISC, .centre = {-0.5, 0.2, 0.0}, .normal = {0.6, 0.0, 0.8}, .radius = 0.5};
     shapes[2] = (pm__shape){
         .kind = PM__SHAPE_RECTANGLE, .centre = {-0.6, -0.7, -0.4}, .edge = {{1.3, 0.1, 0.2}, {-0.2, 1.1, 0.3}}};
 }
@@ -314,47 +315,73 @@ START_TEST(test_watertight)
 }
 END_TEST
 
-/* Squares of two triangles tile a floor and, turned over, a ceiling: what leaves a tile meets no neighbour, what runs
- * towards the ceiling finds no gap. */
-START_TEST(test_tiles)
+/* Squares of two triangles tile a floor at height 0 and, turned over, a ceiling at 1, both from -SIDE to SIDE; all as
+ * `frame` places it. */
+enum { SIDE = 5 };
+
+static pm__scene *tiled_scene(const pm__placement *frame)
 {
-    enum { SIDE = 5 };
-    static const float square[4][3] = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
+    static const float square[4][3] = {{-1, -1, 2}, {1, -1, 2}, {-1, 1, 2}, {1, 1, 2}};
     static const uint32_t halves[2][3] = {{0, 1, 2}, {1, 3, 2}};
     pm__scene *const scene = new_scene(), *const part = part_of(scene);
     pm_error error;
     PM_CHECK_OK(pm__scene_mesh(part, 0, square, 4, halves, 2, &error), error);
     for (int i = 0; i < 2 * SIDE * SIDE; i++) {
-        const int x = i % SIDE, y = i / SIDE % SIDE, up = i < SIDE * SIDE;
-        pm__placement p = placement((double[3]){1.0, 0.0, 0.0}, 0.0, false, 0.3, 0.1 + 0.6 * x, 0.7 + 0.6 * y, 0.3);
-        if (!up)
-            p.offset[2] = 0.9;
-        p.rotation[1][1] = p.rotation[2][2] = up ? 1.0 : -1.0;
+        const bool up = i < SIDE * SIDE;
+        const double middle[3] = {2 * (i % SIDE) - SIDE + 1, 2 * (i / SIDE % SIDE) - SIDE + 1, up ? -2 : 3};
+        pm__placement p = *frame;
+        place_point(frame, middle, p.offset);
+        for (int row = 0; row < 3 && !up; row++)
+            for (int column = 1; column < 3; column++)
+                p.rotation[row][column] = -p.rotation[row][column];
         PM_CHECK_OK(pm__scene_place(scene, part, &p, &error), error);
     }
+    pm__placement larger = *frame; /* above it all */
+    larger.scale *= 64.0;
+    PM_CHECK_OK(pm__scene_place(scene, part, &larger, &error), error);
     PM_CHECK_OK(pm__scene_commit(scene, &error), error);
-    ck_assert_uint_eq(pm__scene_object_count(scene), 2 * SIDE * SIDE);
-    double last[3] = {1.0, 1.0, 0.6};
-    uint32_t from = PM__NO_SHAPE;
-    for (int i = 0; i < RAYS; i++) {
-        double o[3], d[3];
-        pm__hit floor, ceiling;
-        random_ray(36, (uint64_t)i, 1.0, o, d);
-        const double start[3] = {1.3 + 1.49 * o[0], 1.9 + 1.49 * o[1], 0.6}, down[3] = {0.0, 0.0, -1.0};
-        ck_assert_msg(pm__scene_intersect(scene, start, down, INFINITY, PM__NO_SHAPE, &floor), "ray %d escapes", i);
-        PM_CHECK_NEAR(floor.position[2], 0.3, 1e-15);
-        d[2] = fabs(d[2]);
-        if (pm__scene_intersect(scene, floor.position, d, INFINITY, floor.shape, &ceiling))
-            PM_CHECK_NEAR(ceiling.position[2], 0.9, 1e-15);
-        for (int a = 0; a < 3; a++) /* to the middle of the ceiling */
-            d[a] = (a == 0 ? 1.3 : a == 1 ? 1.9 : 0.9) - floor.position[a] + 0.01 * d[a];
-        (void)pm__normalize(d);
-        ck_assert_msg(pm__scene_intersect(scene, floor.position, d, INFINITY, floor.shape, &ceiling), "gap: %d", i);
-        ck_assert(!pm__scene_blocked(scene, floor.position, floor.shape, last, from)); /* along the floor */
-        memcpy(last, floor.position, sizeof last);
-        from = floor.shape;
+    ck_assert_uint_eq(pm__scene_object_count(scene), 2 * SIDE * SIDE + 1);
+    return scene;
+}
+
+/* What leaves a tile meets no neighbour, what runs towards the ceiling finds no gap, and nothing lies between two
+ * points of the floor, also where it is far off and small, so that positions are coarse. */
+START_TEST(test_tiles)
+{
+    static const double axis[3] = {0.36, 0.48, -0.8}, down[3] = {0.0, 0.0, -1.0};
+    const pm__placement frames[] = {placement(axis, 0.7, false, 0.3, 1.0, 2.0, 3.0),
+                                    placement(axis, 2.1, false, 1e-3, 100.0, 200.0, 300.0)};
+    for (int k = 0; k < 2; k++) {
+        const pm__placement *const frame = &frames[k];
+        const double rounding = k ? 1e-12 : 1e-14;
+        pm__scene *const scene = tiled_scene(frame);
+        double last[3] = {0.0}, start[3], falling[3];
+        uint32_t from = PM__NO_SHAPE;
+        place_vector(frame, 1.0, down, falling);
+        for (int i = 0; i < RAYS; i++) {
+            double at[3], d[3], target[3], way[3];
+            pm__hit floor, ceiling;
+            random_ray(36, (uint64_t)i, 0.999 * SIDE, at, d);
+            at[2] = 0.5;
+            place_point(frame, at, start);
+            ck_assert_msg(pm__scene_intersect(scene, start, falling, INFINITY, PM__NO_SHAPE, &floor), "ray %d", i);
+            PM_CHECK_NEAR(floor.distance, 0.5 * frame->scale, rounding);
+            for (int a = 0; a < 3; a++)
+                at[a] = a < 2 ? at[a] * (i % 2 ? 0.1 : 0.9) + 0.1 * d[a] : 1.0;
+            place_point(frame, at, target);
+            for (int a = 0; a < 3; a++)
+                way[a] = target[a] - floor.position[a];
+            const double length = pm__normalize(way);
+            ck_assert_msg(pm__scene_intersect(scene, floor.position, way, INFINITY, floor.shape, &ceiling), "%d", i);
+            PM_CHECK_NEAR(ceiling.distance, length, 100.0 * rounding);
+            ck_assert(!pm__scene_blocked(scene, floor.position, floor.shape, ceiling.position, ceiling.shape));
+            if (from != PM__NO_SHAPE)
+                ck_assert_msg(!pm__scene_blocked(scene, floor.position, floor.shape, last, from), "floor: %d", i);
+            memcpy(last, floor.position, sizeof last);
+            from = floor.shape;
+        }
+        pm__scene_destroy(scene);
     }
-    pm__scene_destroy(scene);
 }
 END_TEST
 
