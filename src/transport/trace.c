@@ -9,7 +9,7 @@ typedef struct carrier {
     uint64_t number;
     double position[3], direction[3], power[3];
     uint32_t shape;             /* that it stands on */
-    const pm__material *medium; /* the glass that it is in; NULL: none */
+    const double *absorption;   /* 1/m by band, of the medium that it was last known to be in; NULL: none yet */
     pm__places places;
 } carrier;
 
@@ -68,7 +68,7 @@ static void emit(const job *work, uint64_t number, carrier *photon)
         photon->power[b] = light->power[b] / chance;
     photon->number = number;
     photon->shape = PM__NO_SHAPE;
-    photon->medium = NULL;
+    photon->absorption = NULL;
 }
 
 /* The paths' automaton takes a letter. */
@@ -88,14 +88,14 @@ static bool is_over(const job *work, const carrier *photon)
     return work->config->paths && pm__paths_dead(work->config->paths, photon->places);
 }
 
-/* Beer's law over the way to the surface. A photon that comes to a glass boundary from within was in that glass, also
- * where a light stands inside. */
+/* Beer's law over the way to the surface. A glass boundary says what lies before it, also to a photon whose light stands
+ * inside; elsewhere the medium is that beyond the boundary left last. */
 static void absorb(carrier *photon, const pm__hit *hit)
 {
-    const bool within = hit->material->kind == PM__GLASS && pm__dot(photon->direction, hit->normal) > 0.0;
-    const pm__material *const medium = within ? hit->material : photon->medium;
-    if (medium)
-        pm__beer(medium, hit->distance, photon->power);
+    if (hit->material->kind == PM__GLASS)
+        photon->absorption = pm__medium_before(hit->material, hit->normal, photon->direction);
+    if (photon->absorption)
+        pm__attenuate(photon->absorption, hit->distance, photon->power);
 }
 
 /* false: the receiver wants no more. */
@@ -120,7 +120,7 @@ static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int cou
     if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
         return false;
     if (hit->material->kind == PM__GLASS)
-        photon->medium = pm__dot(outgoing, hit->normal) < 0.0 ? hit->material : NULL;
+        photon->absorption = pm__medium_beyond(hit->material, hit->normal, outgoing);
     for (int i = 0; i < 3; i++) {
         photon->position[i] = hit->position[i];
         photon->direction[i] = outgoing[i];
