@@ -18,6 +18,7 @@ typedef struct job {
     const pm__trace_config *config;
     double total; /* of all lights and bands, W: what lights are chosen by */
     pm__store store;
+    pm__watch watch; /* NULL: nobody does */
     void *context;
 } job;
 
@@ -88,7 +89,7 @@ static bool is_over(const job *work, const carrier *photon)
     return work->config->paths && pm__paths_dead(work->config->paths, photon->places);
 }
 
-/* Beer's law over the way to the surface. A glass boundary says what lies before it, also to a photon whose light stands
+/* Beer's law over the way to the surface. A glass boundary says what lies before it, also to a photon whose light is
  * inside; elsewhere the medium is that beyond the boundary left last. */
 static void absorb(carrier *photon, const pm__hit *hit)
 {
@@ -130,6 +131,14 @@ static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int cou
     return sum(photon->power) < FLT_MAX;
 }
 
+/* false: it meets nothing. */
+static bool fly(const job *work, const carrier *photon, pm__hit *hit)
+{
+    if (work->watch)
+        work->watch(work->context, photon->position, photon->direction, photon->shape);
+    return pm__scene_intersect(work->config->scene, photon->position, photon->direction, INFINITY, photon->shape, hit);
+}
+
 static bool trace_photon(const job *work, uint64_t number)
 {
     carrier photon = {.places = pm__paths_begin()};
@@ -137,9 +146,7 @@ static bool trace_photon(const job *work, uint64_t number)
     note(work, &photon, 'L');
     for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
         pm__hit hit;
-        if (!pm__scene_intersect(work->config->scene, photon.position, photon.direction, INFINITY, photon.shape,
-                                 &hit) ||
-            hit.material->kind == PM__BLACK)
+        if (!fly(work, &photon, &hit) || hit.material->kind == PM__BLACK)
             break;
         absorb(&photon, &hit);
         const bool rough = pm__is_rough(hit.material);
@@ -152,13 +159,19 @@ static bool trace_photon(const job *work, uint64_t number)
     return true;
 }
 
-uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
+                           pm__watch watch, void *context)
 {
     double power[3];
     pm__scene_power(config->scene, power);
-    const job work = {config, sum(power), store, context};
+    const job work = {.config = config, .total = sum(power), .store = store, .watch = watch, .context = context};
     for (uint64_t i = 0; i < count; i++)
         if (!trace_photon(&work, first + i))
             return i + 1;
     return count;
+}
+
+uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+{
+    return pm__trace_watched(config, first, count, store, NULL, context);
 }
