@@ -31,14 +31,27 @@ typedef struct pm__geometry {
     size_t vertex_count;
 } pm__geometry;
 
+/* So many exact shapes are asked one by one: measured, Embree takes longer to find which of them to ask. */
+enum { PM__MOST_FEW = 16 };
+
+/* Planes, by component. */
+typedef struct pm__planes {
+    double corner[3][PM__MOST_FEW], normal[3][PM__MOST_FEW]; /* normals of those beyond count are 0 */
+    uint32_t number[PM__MOST_FEW];                           /* of the shape */
+    const pm__geometry *geometry[PM__MOST_FEW];
+    size_t count;
+} pm__planes;
+
 struct pm__scene {
     RTCDevice device;
     RTCScene rays;
     pm__material *materials;
     pm__light *lights;
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
-    const pm__geometry **few; /* exact shapes that Embree does not hold: all, unless they are many */
-    size_t few_count;
+    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones, and the others. */
+    pm__planes flat;
+    const pm__geometry *curved[PM__MOST_FEW];
+    size_t curved_count;
     size_t material_count, material_capacity, light_count, light_capacity, geometry_count, geometry_capacity;
     uint32_t shape_count;
     pm__scene **parts;

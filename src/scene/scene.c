@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So many exact shapes are asked one by one: measured, Embree takes longer to find which of them to ask. */
-enum { MOST_FEW = 12 };
-
 /* ---- Boxes ------------------------------------------------------------------------------------- */
 
 void pm__box_enclose(double low[3], double high[3], const double point[3])
@@ -99,7 +96,6 @@ void pm__scene_destroy(pm__scene *scene)
         rtcReleaseDevice(scene->device);
     for (size_t i = 0; i < scene->geometry_count; i++)
         destroy_geometry(scene->geometries[i]);
-    free(scene->few);
     free(scene->geometries);
     free(scene->objects);
     free(scene->materials);
@@ -372,29 +368,39 @@ static bool is_exact(const pm__geometry *geometry)
     return !geometry->planes && !geometry->part;
 }
 
+static void keep_flat(pm__planes *flat, const pm__geometry *geometry)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        flat->corner[axis][flat->count] = geometry->shape.centre[axis];
+        flat->normal[axis][flat->count] = geometry->shape.normal[axis];
+    }
+    flat->number[flat->count] = geometry->first;
+    flat->geometry[flat->count++] = geometry;
+}
+
 /* Takes exact shapes out of Embree, unless they are many. */
-static pm_status keep_few(pm__scene *scene, pm_error *error)
+static void keep_few(pm__scene *scene)
 {
     size_t count = 0;
     for (size_t i = 0; i < scene->geometry_count; i++)
         count += is_exact(scene->geometries[i]);
-    if (count > MOST_FEW || scene->few)
-        return PM_OK;
-    scene->few = pm__alloc(count, sizeof *scene->few);
-    if (!scene->few)
-        return no_memory(error);
-    for (size_t i = 0; i < scene->geometry_count; i++)
-        if (is_exact(scene->geometries[i])) {
-            scene->few[scene->few_count++] = scene->geometries[i];
-            rtcDetachGeometry(scene->rays, (unsigned)i);
-        }
-    return PM_OK;
+    if (count > PM__MOST_FEW || scene->flat.count + scene->curved_count > 0)
+        return;
+    for (size_t i = 0; i < scene->geometry_count; i++) {
+        const pm__geometry *const geometry = scene->geometries[i];
+        if (!is_exact(geometry))
+            continue;
+        rtcDetachGeometry(scene->rays, (unsigned)i);
+        if (geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC)
+            keep_flat(&scene->flat, geometry);
+        else
+            scene->curved[scene->curved_count++] = geometry;
+    }
 }
 
 static pm_status build(pm__scene *scene, double rounding, pm_error *error)
 {
-    if (keep_few(scene, error) != PM_OK)
-        return PM_ENOMEM;
+    keep_few(scene);
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
     /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */
