@@ -26,7 +26,8 @@ void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *
                      .numbers = *numbers,
                      .shape = PM__NO_SHAPE,
                      .weight = {1.0, 1.0, 1.0},
-                     .sees_lights = true};
+                     .sees_lights = true,
+                     .sees_caustics = true};
     memcpy(eye->origin, origin, sizeof eye->origin);
     memcpy(eye->direction, direction, sizeof eye->direction);
 }
@@ -104,6 +105,7 @@ bool pm__eye_follow(pm__eye *eye)
         }
         if (!scatter(eye))
             return false;
+        eye->sees_lights = eye->sees_caustics;
     }
     return false;
 }
