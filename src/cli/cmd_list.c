@@ -23,7 +23,7 @@ static const kind kinds[KIND_COUNT] = {
     {"estimators", "Estimators", "--estimator NAME[:key=value[,key=value...]]", &pm__estimators},
     {"searches", "Searches", "--search NAME", &pm__searches},
     {"cases", "Cases", "--case NAME[:key=value[,key=value...]]", &pm__cases},
-    {"scenes", "Scenes with exact answers", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
+    {"scenes", "Scenes", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
 };
 
