@@ -6,13 +6,20 @@
 #include "../case.h"
 
 #define PM_SCENE_LIST(X) \
+    X(furnace)            \
     X(integrating_sphere) \
+    X(point_light)        \
+    X(rect_light)         \
+    X(corner)             \
+    X(wall)               \
+    X(glossy_plane)       \
     X(glass_sphere)       \
     X(nephroid)           \
     X(cardioid)           \
     X(plate)              \
     X(water)              \
-    X(pool)
+    X(pool)               \
+    X(prism)
 
 #define X(name) extern const pm__case pm__case_scene_##name;
 PM_SCENE_LIST(X)
