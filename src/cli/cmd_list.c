@@ -1,6 +1,7 @@
 /* list: what there is, from the catalogues. */
 #include "../../cases/scenes/list.h"
 #include "../../estimators/estimator.h"
+#include "../methods/render.h"
 #include "../search/search.h"
 #include "commands.h"
 #include "progress.h"
@@ -10,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 5, TEXT_SIZE = 4096 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 6, TEXT_SIZE = 4096 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -25,6 +26,7 @@ static const kind kinds[KIND_COUNT] = {
     {"cases", "Cases", "--case NAME[:key=value[,key=value...]]", &pm__cases},
     {"scenes", "Scenes", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
+    {"methods", "Methods", "--method NAME[:key=value[,key=value...]]", &pm__methods},
 };
 
 /* An entry and which kind it is of. */
@@ -223,7 +225,8 @@ static int refuse(const char *name)
     if (nearest)
         pm__complain("list", "no list '%.80s'; did you mean '%s'?", name, nearest);
     else
-        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers", name);
+        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers, methods",
+                     name);
     return PM__EXIT_USAGE;
 }
 
@@ -272,7 +275,7 @@ static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_
 
 const pm__command pm__command_list = {
     .name = "list",
-    .operands = "[estimators|searches|cases|scenes|samplers]",
+    .operands = "[estimators|searches|cases|scenes|samplers|methods]",
     .max_operands = 1,
     .job = "what there is, with parameters, their defaults and ranges, and where it comes from",
     .text = "Examples:\n"
