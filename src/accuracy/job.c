@@ -154,8 +154,6 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
 {
     if (!(v->estimator->dimensions & 1U << job->subject->dimensions))
         return job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
-    if (pm__is_traced(job->subject) && !((const pm__sampler *)(const void *)job->sampler_spec->entry)->independent)
-        return "photons are traced with independent numbers: --sampler poisson";
     if ((v->estimator->needs & PM__TRUTH) && !v->k)
         return "it chooses a k, and a fixed radius has none";
     return too_few(v) ? "k is too few for it" : NULL;
