@@ -243,6 +243,15 @@ double pm__projection_share(const pm__projection *projection, size_t light)
     return (double)map->before[map->cells] / map->cells;
 }
 
+bool pm__projection_covers(const pm__projection *projection, size_t light, const double u[4])
+{
+    const light_map *const map = &projection->lights[light];
+    uint32_t cell = 0;
+    for (int i = 0; i < DIMENSIONS; i++)
+        cell = cell * map->grid[i] + (uint32_t)(u[i] * map->grid[i]);
+    return map->before[cell + 1] > map->before[cell];
+}
+
 /* The slab of `stride` cells, of those from *first on, in which the target-th cell that is on lies. */
 static uint32_t find_slab(const light_map *map, uint32_t first, uint32_t slabs, uint32_t stride, double target)
 {

@@ -32,6 +32,11 @@ static void trace_range(const void *tracing, uint64_t first, uint64_t count, pm_
     (void)pm__trace(tracing, first, count, store, context);
 }
 
+static void trace_straight(const void *tracing, uint64_t first, uint64_t count, pm__store store, void *context)
+{
+    pm__trace_straight(tracing, first, count, store, context);
+}
+
 /* ---- Powers ---------------------------------------------------------------------------------- */
 
 /* Powers in W of photons from .. to - 1, each of which stands for `share` of what is sent. */
@@ -149,11 +154,11 @@ static pm_status shoot_stored(const pm__shoot_config *config, const pm__emission
 /* ---- Emitted photons ------------------------------------------------------------------------- */
 
 static pm_status shoot_emitted(const pm__shoot_config *config, const pm__emission *emission, uint64_t count,
-                               pm__harvest *h, pm_error *error)
+                               pm__tracer tracer, pm__harvest *h, pm_error *error)
 {
     const pm__trace_config tracing = {config->scene, config->paths, config->seed, config->trial, emission};
     const double share = 1.0 / (double)count;
-    pm_status status = pm__harvest_paths(config, trace_range, &tracing, emission->total, 0, count, SIZE_MAX, h, error);
+    pm_status status = pm__harvest_paths(config, tracer, &tracing, emission->total, 0, count, SIZE_MAX, h, error);
     if (status == PM_OK && h->count > 0)
         status = check_smallness(emission->total, share, error);
     return status == PM_OK ? scale(h, 0, h->count, share, error) : status;
@@ -180,7 +185,8 @@ static pm_status try_out(const pm__shoot_config *config, const pm__emission *emi
     return status;
 }
 
-static pm_status shoot_spread(const pm__shoot_config *config, pm__emission *emission, pm__harvest *h, pm_error *error)
+static pm_status shoot_spread(const pm__shoot_config *config, pm__emission *emission, pm__tracer tracer, pm__harvest *h,
+                              pm_error *error)
 {
     uint64_t count = config->count;
     pm_status status = config->emitted ? PM_OK : try_out(config, emission, &count, error);
@@ -188,7 +194,7 @@ static pm_status shoot_spread(const pm__shoot_config *config, pm__emission *emis
         status = pm__emission_spread(emission, config->sampler, count, error);
     if (status != PM_OK)
         return status;
-    status = shoot_emitted(config, emission, pm__emission_count(emission), h, error);
+    status = shoot_emitted(config, emission, pm__emission_count(emission), tracer, h, error);
     if (status == PM_OK && !config->emitted && h->count == 0)
         status = too_few(h, config->count, error);
     pm__emission_free(emission);
@@ -237,11 +243,50 @@ pm_status pm__shoot(const pm__shoot_config *config, pm__photon_set *set, pm_erro
     if (status != PM_OK || config->count == 0)
         return status;
     if (config->sampler && !config->sampler->independent)
-        status = shoot_spread(config, &emission, &h, error);
+        status = shoot_spread(config, &emission, trace_range, &h, error);
     else if (config->emitted)
-        status = shoot_emitted(config, &emission, config->count, &h, error);
+        status = shoot_emitted(config, &emission, config->count, trace_range, &h, error);
     else
         status = shoot_stored(config, &emission, &h, error);
+    if (status == PM_OK)
+        hand_over(&h, set);
+    else
+        pm__harvest_free(&h);
+    return status;
+}
+
+/* Which of the photons have no power. */
+static pm_status list_shadows(const pm__harvest *h, unsigned char **shadow, pm_error *error)
+{
+    *shadow = malloc(h->count ? h->count : 1);
+    if (!*shadow)
+        return pm__fail(error, PM_ENOMEM, "out of memory for %zu shadow photons", h->count);
+    for (size_t i = 0; i < h->count; i++)
+        (*shadow)[i] = (h->marks[i] & PM__NO_POWER) != 0;
+    return PM_OK;
+}
+
+pm_status pm__shoot_shadows(const pm__shoot_config *config, size_t light, pm__photon_set *set, unsigned char **shadow,
+                            pm_error *error)
+{
+    pm__shoot_config all = *config;
+    all.emitted = true;
+    pm__emission emission;
+    pm__harvest h = {0};
+    *set = (pm__photon_set){0};
+    *shadow = NULL;
+    if (light >= pm__scene_light_count(config->scene))
+        return pm__fail(error, PM_EINVAL, "there is no light %zu", light);
+    pm__emission_init(config->scene, NULL, light, config->seed, config->trial, &emission);
+    pm_status status = check(&all, &emission, error);
+    if (status != PM_OK)
+        return status;
+    if (config->count > 0 && config->sampler && !config->sampler->independent)
+        status = shoot_spread(&all, &emission, trace_straight, &h, error);
+    else if (config->count > 0)
+        status = shoot_emitted(&all, &emission, config->count, trace_straight, &h, error);
+    if (status == PM_OK)
+        status = list_shadows(&h, shadow, error);
     if (status == PM_OK)
         hand_over(&h, set);
     else
