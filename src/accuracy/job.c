@@ -154,8 +154,6 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
 {
     if (!(v->estimator->dimensions & 1U << job->subject->dimensions))
         return job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
-    if (pm__is_traced(job->subject) && !((const pm__sampler *)(const void *)job->sampler_spec->entry)->independent)
-        return "photons are traced with independent numbers: --sampler poisson";
     if (job->subject->brdf && (v->estimator->needs & PM__AT_PHOTON))
         return "it stores irradiance, and radiance is asked for";
     if ((v->estimator->needs & PM__TRUTH) && !v->k)

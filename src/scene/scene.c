@@ -379,3 +379,28 @@ pm_status pm__scene_commit(pm__scene *scene, pm_error *error)
     scene->committed = status == PM_OK;
     return status;
 }
+
+size_t pm__scene_object_count(const pm__scene *scene)
+{
+    return scene->geometry_count;
+}
+
+pm__object pm__scene_object(const pm__scene *scene, size_t index)
+{
+    const pm__geometry *const geometry = scene->geometries[index];
+    pm__object object = {.material = &scene->materials[geometry->material]};
+    if (!geometry->vertices) {
+        pm__shape_bounds(&geometry->shape, object.low, object.high);
+        return object;
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        object.low[axis] = INFINITY;
+        object.high[axis] = -INFINITY;
+        for (size_t i = 0; i < 3 * (size_t)geometry->count; i++) {
+            const double at = (double)geometry->vertices[geometry->triangles[i / 3][i % 3]][axis];
+            object.low[axis] = fmin(object.low[axis], at);
+            object.high[axis] = fmax(object.high[axis], at);
+        }
+    }
+    return object;
+}

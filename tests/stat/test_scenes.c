@@ -31,23 +31,23 @@ static double disc_mean(const pm__job *job, const pm__probe *probe)
     return sum / (RINGS * ANGLES);
 }
 
-static double estimate(const pm_photon *photons, const pm__probe *probe)
+static double estimate(const pm__photon_set *set, const pm__probe *probe)
 {
     double sum = 0.0;
-    for (size_t i = 0; i < PHOTONS; i++) {
+    for (size_t i = 0; i < set->count; i++) {
         double square = 0.0;
         for (int a = 0; a < 3; a++) {
-            const double d = (double)photons[i].position[a] - probe->position[a];
+            const double d = (double)set->photons[i].position[a] - probe->position[a];
             square += d * d;
         }
         if (square <= radius * radius)
-            sum += (double)photons[i].power[0];
+            sum += (double)set->photons[i].power[0];
     }
     return sum / (3.141592653589793 * radius * radius);
 }
 
 /* The difference of estimates and expectations, mean over the region's probes, in standard errors over trials. */
-static double deviation(const pm__job *job, size_t region, pm_photon *const photons[TRIALS])
+static double deviation(const pm__job *job, size_t region, const pm__photon_set drawn[TRIALS])
 {
     const size_t first = job->first[region], end = job->first[region + 1];
     double expected = 0.0, mean = 0.0, square = 0.0;
@@ -56,7 +56,7 @@ static double deviation(const pm__job *job, size_t region, pm_photon *const phot
     for (size_t trial = 0; trial < TRIALS; trial++) {
         double sum = 0.0;
         for (size_t q = first; q < end; q++)
-            sum += estimate(photons[trial], &job->probes[q]);
+            sum += estimate(&drawn[trial], &job->probes[q]);
         mean += sum / TRIALS;
         square += sum * sum / TRIALS;
     }
@@ -86,11 +86,9 @@ static void check_scene(const pm__entry *entry)
         .probes_all = ALL_PROBES, .probes_region = REGION_PROBES, .lookup = {PM_LOOKUP_SPHERE, 0.0, true}, .seed = 7};
     pm__job job;
     PM_CHECK_OK(pm__job_plan(&job, &config, &subject, &sampler, PHOTONS, &error), error);
-    pm_photon *drawn[TRIALS];
-    for (uint32_t trial = 0; trial < TRIALS; trial++) {
-        drawn[trial] = calloc(PHOTONS, sizeof **drawn);
-        ck_assert_int_eq(pm__draw_photons(&job, trial, 0, 1, PHOTONS, drawn[trial], NULL), PM_OK);
-    }
+    pm__photon_set drawn[TRIALS];
+    for (uint32_t trial = 0; trial < TRIALS; trial++)
+        ck_assert_int_eq(pm__draw_photons(&job, trial, 0, 1, PHOTONS, false, &drawn[trial]), PM_OK);
     const double bound = pm__student_quantile(1.0 - 0.5e-6 / (4.0 * (double)pm__scene_cases.count), TRIALS - 1.0);
     for (size_t region = 0; region < job.subject->region_count; region++)
         if (is_smooth(job.subject->regions[region].name)) {
@@ -99,7 +97,7 @@ static void check_scene(const pm__entry *entry)
                           job.subject->regions[region].name, found);
         }
     for (uint32_t trial = 0; trial < TRIALS; trial++)
-        free(drawn[trial]);
+        pm__photon_set_free(&drawn[trial]);
     pm__job_free(&job);
 }
 
