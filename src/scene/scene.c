@@ -268,6 +268,7 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
     memcpy(t, triangles, triangle_count * sizeof *t);
     made->vertices = (const float(*)[3])v;
     made->triangles = (const uint32_t(*)[3])t;
+    made->vertex_count = vertex_count;
     pm__rays_triangles(embree);
     box_of(made, vertices, vertex_count);
     pm__geometry_attach(scene, made, embree);
@@ -378,29 +379,4 @@ pm_status pm__scene_commit(pm__scene *scene, pm_error *error)
         status = pm__scene_list_objects(scene, error);
     scene->committed = status == PM_OK;
     return status;
-}
-
-size_t pm__scene_object_count(const pm__scene *scene)
-{
-    return scene->geometry_count;
-}
-
-pm__object pm__scene_object(const pm__scene *scene, size_t index)
-{
-    const pm__geometry *const geometry = scene->geometries[index];
-    pm__object object = {.material = &scene->materials[geometry->material]};
-    if (!geometry->vertices) {
-        pm__shape_bounds(&geometry->shape, object.low, object.high);
-        return object;
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        object.low[axis] = INFINITY;
-        object.high[axis] = -INFINITY;
-        for (size_t i = 0; i < 3 * (size_t)geometry->count; i++) {
-            const double at = (double)geometry->vertices[geometry->triangles[i / 3][i % 3]][axis];
-            object.low[axis] = fmin(object.low[axis], at);
-            object.high[axis] = fmax(object.high[axis], at);
-        }
-    }
-    return object;
 }
