@@ -1,8 +1,8 @@
-/* A glass of cognac: a surface of revolution of the size of a real glass, on a rough, glossy floor. A ball lamp behind it
- * throws the caustic toward the camera; a large dim square above keeps the shadow from being black. The ball is as large
- * as still gives a caustic, so that paths from the camera find it through the glass.
+/* A glass of cognac: a surface of revolution of the size of a real glass, on a rough, glossy floor. A ball lamp behind
+ * it throws the caustic toward the camera; a large dim square above keeps the shadow from being black. The ball is as
+ * large as still gives a caustic, so that paths from the camera find it through the glass.
  *
- * Three surfaces without a gap, of one polygon turned about the axis, bound the glass (index 1.5) and the cognac (1.36):
+ * Three surfaces without a gap, of one polygon turned about the axis, bound the glass (index 1.5) and the cognac:
  *     glass and air       foot, stem, the bowl's outside, its rim and its inside down to the cognac,
  *     glass and cognac    the rest of the inside; its normal points into the cognac, and its index is relative,
  *     cognac and air      a disc.
@@ -29,11 +29,12 @@ static const pm__param params[] = {
 
 /* r, z in mm. The ends lie on the axis, each next to a point of its height: the surface is flat there. */
 static const double control[][2] = {
-    {0, 0.5},   {8, 0.5},    {20, 0.5},    {31, 0.5},    {34, 0.8},    {34.5, 1.8}, {32, 2.8},  {20, 4.2},    {9, 6.5},
-    {5, 11},    {4, 18},     {3.8, 28},    {4.2, 38},    {6, 45},      {12, 49},    {24, 54},   {35, 63},     {41.5, 76},
-    {42.5, 90}, {39, 106},   {33.5, 120},  {30, 131},    {29, 134.5},  {28.4, 135.8}, {27.6, 135.8}, {27, 134.5},
-    {28, 131},  {31.5, 120}, {37, 106},    {40.5, 90},   {39.6, 76.6}, {33.4, 64.5}, {22.8, 56.2}, {11.5, 51.9},
-    {5, 50.6},  {0, 50.6},
+    {0, 0.5}, {8, 0.5}, {20, 0.5}, {31, 0.5}, {34, 0.8}, {34.5, 1.8}, {32, 2.8},
+    {20, 4.2}, {9, 6.5}, {5, 11}, {4, 18}, {3.8, 28}, {4.2, 38}, {6, 45},
+    {12, 49}, {24, 54}, {35, 63}, {41.5, 76}, {42.5, 90}, {39, 106}, {33.5, 120},
+    {30, 131}, {29, 134.5}, {28.4, 135.8}, {27.6, 135.8}, {27, 134.5}, {28, 131}, {31.5, 120},
+    {37, 106}, {40.5, 90}, {39.6, 76.6}, {33.4, 64.5}, {22.8, 56.2}, {11.5, 51.9}, {5, 50.6},
+    {0, 50.6},
 };
 
 enum { CONTROLS = sizeof control / sizeof *control, FIRST_INSIDE = 26, STEPS = 4,

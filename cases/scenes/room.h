@@ -19,8 +19,8 @@ typedef struct pm__room {
     bool no_floor;   /* for a room that stands on another's floor */
 } pm__room;
 
-/* The Cornell box: red on the left, blue on the right, white elsewhere. albedo: of white; colours have it in one band and
- * a fifth of it in the others. */
+/* The Cornell box: red on the left, blue on the right, white elsewhere. albedo: of white; colours have it in one band
+ * and a fifth of it in the others. */
 pm__room pm__cornell_room(double albedo);
 /* Looks through the open front, whose rim is that of a square image. */
 void pm__cornell_view(pm__view *view);
