@@ -7,13 +7,20 @@
 #include "../case.h"
 
 #define PM_SCENE_LIST(X) \
+    X(furnace)            \
     X(integrating_sphere) \
+    X(point_light)        \
+    X(rect_light)         \
+    X(corner)             \
+    X(wall)               \
+    X(glossy_plane)       \
     X(glass_sphere)       \
     X(nephroid)           \
     X(cardioid)           \
     X(plate)              \
     X(water)              \
     X(pool)               \
+    X(prism)              \
     X(cornell)            \
     X(cornell_diffuse)    \
     X(cornell_water)      \
