@@ -19,7 +19,7 @@ static const double of_glass = 1.5, of_cognac = 1.36;                   /* indic
 static const double glass_absorbs[3] = {3, 1, 2}, cognac_absorbs[3] = {6, 30, 110}; /* 1/m */
 
 static const pm__param params[] = {
-    {.name = "depth", .type = PM__REAL, .value = 0.028, .min = 0.01, .max = 0.06, .unit = "m",
+    {.name = "depth", .type = PM__REAL, .value = 0.036, .min = 0.01, .max = 0.06, .unit = "m",
      .help = "of the cognac; the bowl is 0.085 m deep"},
     {.name = "strength", .type = PM__REAL, .value = 1.0, .min = 0.0, .max = 5.0, .unit = "",
      .help = "factor on the cognac's absorption; 0: clear"},
@@ -157,7 +157,7 @@ static pm_status add_floor(pm__scene *scene, pm_error *error)
 
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 {
-    const pm__light ball = {.kind = PM__BALL, .power = {16, 15, 14}, .position = {-0.2, 0.24, 0.34}, .radius = 0.03};
+    const pm__light ball = {.kind = PM__BALL, .power = {16, 15, 14}, .position = {-0.2, 0.24, 0.34}, .radius = 0.025};
     const double above[3] = {0, 0, 1.5}, dim[3] = {4, 4.4, 5};
     pm_status status = add_floor(scene, error);
     if (!status)

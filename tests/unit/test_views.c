@@ -54,9 +54,10 @@ static pm__scene *scene_named(const char *text)
     return committed(&spec);
 }
 
-/* It is built, and the middle of its image is a surface. */
-static void check_seen(const pm__spec *spec)
+/* It is built and has a camera, and the middle of the image is a surface (of scenes with a truth it may be bare). */
+static void check_seen(const pm__spec *spec, bool bare)
 {
+    char text[PM__MAX_SPEC];
     pm__scene *const scene = committed(spec);
     pm__view view;
     pm__camera camera;
@@ -66,8 +67,9 @@ static void check_seen(const pm__spec *spec)
     case_of(spec)->view(spec->values, &view);
     PM_CHECK_OK(pm__camera_init(&view, 256, 256, &camera, &error), error);
     pm__camera_direction(&camera, 128, 128, direction);
-    ck_assert_msg(pm__scene_intersect(scene, camera.eye, direction, INFINITY, PM__NO_SHAPE, &hit), "%s",
-                  spec->entry->name);
+    pm__spec_format(spec, text, sizeof text);
+    ck_assert_msg(bare || pm__scene_intersect(scene, camera.eye, direction, INFINITY, PM__NO_SHAPE, &hit),
+                  "%s: nothing is seen", text);
     pm__scene_destroy(scene);
 }
 
@@ -95,11 +97,11 @@ START_TEST(every_scene_is_built_and_seen)
             continue;
         }
         seen++;
-        check_seen(&spec);
+        check_seen(&spec, false);
         for (size_t i = 0; i <= spec.entry->param_count && spec.entry->param_count; i++)
             for (int high = 0; high < 2; high++)
                 if (set_extreme(&spec, i, high))
-                    check_seen(&spec);
+                    check_seen(&spec, case_of(&spec)->truth);
     }
     ck_assert_uint_ge(seen, 5);
 }
@@ -112,8 +114,8 @@ START_TEST(bad_parameters_are_refused)
         pm_status status;
     } rows[] = {
         {"scene:cornell:albedo=1", PM_EINVAL},      {"scene:cornell:moved=0.31", PM_EINVAL},
-        {"scene:cornell:ior=0.9", PM_EINVAL},       {"scene:cornell:colour=1", PM_EINVAL},
-        {"scene:cornell:ior=nan", PM_EINVAL},       {"scene:cornell-diffuse:ior=1.5", PM_EINVAL},
+        {"scene:cornell:ior=0.9", PM_EINVAL},       {"scene:cornell:colour=1", PM_ENAME},
+        {"scene:cornell:ior=nan", PM_EINVAL},       {"scene:cornell-diffuse:ior=1.5", PM_ENAME},
         {"scene:cornell-water:level=0", PM_EINVAL}, {"scene:cornell-water:waves=0.1", PM_EINVAL},
         {"scene:four-lights:albedo=-1", PM_EINVAL}, {"scene:cognac:turns=160.5", PM_EINVAL},
         {"scene:cognac:depth=0.1", PM_EINVAL},      {"scene:cornel", PM_ENAME},
@@ -216,7 +218,8 @@ static bool same(const double a[3], const double b[3])
 }
 
 /* A straight line from a lamp through all glass: each boundary must have on its near side the medium, told by its
- * absorption, that the line is in. Returns how many boundaries it met. */
+ * absorption, that the line is in. Returns how many boundaries it met; -1: it came within Embree's rounding of an edge
+ * of a mesh, where it may meet both triangles. */
 static int follow(const char *name, const pm__scene *scene, uint64_t number)
 {
     double u[4], at[3], direction[3], medium[3] = {0, 0, 0};
@@ -228,6 +231,8 @@ static int follow(const char *name, const pm__scene *scene, uint64_t number)
     while (pm__scene_intersect(scene, at, direction, INFINITY, from, &hit) && hit.material->kind == PM__GLASS) {
         const bool enters = pm__dot(direction, hit.normal) < 0.0;
         const double *const near = enters ? hit.material->outside : hit.material->absorption;
+        if (met > 0 && hit.distance < 1e-7)
+            return -1;
         const double *const far = enters ? hit.material->absorption : hit.material->outside;
         ck_assert_msg(same(near, medium), "%s: line %d, boundary %d at (%g, %g, %g): not in the medium before it", name,
                       (int)number, met, hit.position[0], hit.position[1], hit.position[2]);
@@ -245,11 +250,13 @@ START_TEST(media_follow_one_another)
                                         "scene:cornell-water:level=0.85,waves=0.02"};
     for (size_t k = 0; k < COUNT(names); k++) {
         pm__scene *const scene = scene_named(names[k]);
-        int most = 0;
+        int most = 0, at_edges = 0;
         for (uint64_t i = 0; i < 100000; i++) {
             const int met = follow(names[k], scene, i);
             most = met > most ? met : most;
+            at_edges += met < 0;
         }
+        ck_assert_int_le(at_edges, 10);
         ck_assert_int_ge(most, k < 2 ? 6 : 1); /* the glass of cognac: at least wall, cognac, wall */
         pm__scene_destroy(scene);
     }
@@ -361,41 +368,47 @@ END_TEST
 
 /* ---- The caustic of the glass ---- */
 
-typedef struct spot {
-    double brightest, cells[64][64]; /* W, over the floor of half a metre */
-} spot;
+enum { CELLS = 64 };
+
+static const double cell_side = 0.5 / CELLS; /* m */
 
 static bool light_up(void *context, uint64_t number, const pm__stored *photon)
 {
-    spot *const s = context;
+    double(*const cells)[CELLS] = context;
     (void)number;
-    const double x = (photon->position[0] + 0.25) * 128.0, y = (photon->position[1] + 0.25) * 128.0;
-    if (x >= 0.0 && x < 64.0 && y >= 0.0 && y < 64.0) {
-        double *const cell = &s->cells[(int)y][(int)x];
-        *cell += photon->power[0];
-        s->brightest = fmax(s->brightest, *cell);
-    }
+    const double x = CELLS / 2 + photon->position[0] / cell_side, y = CELLS / 2 + photon->position[1] / cell_side;
+    if (x >= 0.0 && x < CELLS && y >= 0.0 && y < CELLS)
+        cells[(int)y][(int)x] += photon->power[0];
     return true;
 }
 
-static double brightest(const pm__scene *scene, const char *expression)
+/* Irradiance by the ball alone: from outside it is as a point. */
+static double direct(const pm__light *ball, int column, int row)
 {
-    static spot s;
-    pm__paths *paths;
-    pm_error error;
-    s = (spot){0};
-    PM_CHECK_OK(pm__paths_create(expression, &paths, &error), error);
-    const pm__trace_config config = {.scene = scene, .paths = paths, .seed = 12};
-    (void)pm__trace(&config, 0, 1000000, light_up, &s);
-    pm__paths_destroy(paths);
-    return s.brightest;
+    const double x = (column + 0.5 - CELLS / 2) * cell_side - ball->position[0];
+    const double y = (row + 0.5 - CELLS / 2) * cell_side - ball->position[1], z = ball->position[2];
+    return ball->power[0] * z / (4.0 * pi * pow(x * x + y * y + z * z, 1.5));
 }
 
-/* Its brightest square of 8 mm is twice as bright as any that is lit directly. */
+/* Somewhere four times as much light comes through the glass as would come if it were not there. */
 START_TEST(cognac_has_a_caustic)
 {
-    pm__scene *const scene = scene_named("scene:cognac:turns=64");
-    ck_assert(brightest(scene, "LS+D") > 2.0 * brightest(scene, "LD"));
+    enum { PHOTONS = 500000 };
+    static double cells[CELLS][CELLS];
+    pm__scene *const scene = scene_named("scene:cognac");
+    const pm__light *const ball = pm__scene_light_at(scene, 0);
+    pm__paths *paths;
+    pm_error error;
+    double most = 0.0;
+    ck_assert_int_eq(ball->kind, PM__BALL);
+    PM_CHECK_OK(pm__paths_create("LS+D", &paths, &error), error);
+    const pm__trace_config config = {.scene = scene, .paths = paths, .seed = 12};
+    (void)pm__trace(&config, 0, PHOTONS, light_up, cells);
+    for (int row = 0; row < CELLS; row++)
+        for (int column = 0; column < CELLS; column++)
+            most = fmax(most, cells[row][column] / (PHOTONS * cell_side * cell_side) / direct(ball, column, row));
+    ck_assert_msg(most > 4.0, "the caustic is at most %g times as bright as direct light", most);
+    pm__paths_destroy(paths);
     pm__scene_destroy(scene);
 }
 END_TEST
