@@ -27,6 +27,9 @@ void pm__cornell_view(pm__view *view);
 /* The square lamp in its ceiling: half its side, W in each band. */
 pm_status pm__cornell_lamp(pm__scene *scene, double half, double watts, pm_error *error);
 
+/* Its spheres: a mirror on the left, glass on the right, moved so far toward the back. */
+pm_status pm__cornell_spheres(pm__scene *scene, double ior, double moved, pm_error *error);
+
 pm_status pm__room_walls(pm__scene *scene, const pm__room *room, pm_error *error);
 
 pm_status pm__diffuse_material(pm__scene *scene, const double albedo[3], uint32_t *index, pm_error *error);

@@ -231,7 +231,7 @@ static void direction_of(uint64_t number, double direction[3])
     direction[2] = z;
 }
 
-/* From within two cups rim to rim no ray gets out, and each leaves against no normal. Some rays are sent at the seam. */
+/* From within two cups rim to rim no ray gets out, and all meet the inside. Every second one is sent at the seam. */
 START_TEST(no_ray_escapes)
 {
     const double low[][2] = {{0, -1}, {0.9, -0.6}, {1, 0}}, high[][2] = {{1, 0}, {0.6, 0.7}, {0, 1}};

@@ -103,7 +103,7 @@ START_TEST(every_scene_is_built_and_seen)
                 if (set_extreme(&spec, i, high))
                     check_seen(&spec, case_of(&spec)->truth);
     }
-    ck_assert_uint_ge(seen, 5);
+    ck_assert_uint_ge(seen, 6);
 }
 END_TEST
 
@@ -152,6 +152,7 @@ START_TEST(rooms_have_no_holes)
                                 {"scene:cornell:moved=0.3", {0.5, 0.5}, 1, true},
                                 {"scene:cornell-diffuse", {0.5, 0.5}, 1, true},
                                 {"scene:cornell-water", {0.5, 0.5}, 1, true},
+                                {"scene:fractal-cornell", {0.5, 0.5}, 1, true},
                                 {"scene:four-lights", {1, 1.25}, 1.25, false}};
     const uint64_t rays = 1000000 / COUNT(boxes);
     for (size_t k = 0; k < COUNT(boxes); k++) {
@@ -361,6 +362,8 @@ START_TEST(no_light_is_lost)
     check_ledger("scene:cornell-diffuse:albedo=0", 1.0);
     check_ledger("scene:cornell-water:absorption=0", 1.0);
     check_ledger("scene:four-lights", 1.0);
+    check_ledger("scene:fractal-cornell", 1.0);
+    check_ledger("scene:fractal-cornell:depth=4", 1.0);
     check_ledger("scene:cornell-water", 0.5); /* some in the water */
     check_ledger("scene:cognac", 0.95);       /* and little in glass and cognac */
 }
