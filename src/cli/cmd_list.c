@@ -24,7 +24,7 @@ static const kind kinds[KIND_COUNT] = {
     {"estimators", "Estimators", "--estimator NAME[:key=value[,key=value...]]", &pm__estimators},
     {"searches", "Searches", "--search NAME", &pm__searches},
     {"cases", "Cases", "--case NAME[:key=value[,key=value...]]", &pm__cases},
-    {"scenes", "Scenes with exact answers", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
+    {"scenes", "Scenes", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
     {"methods", "Methods", "--method NAME[:key=value[,key=value...]]", &pm__methods},
 };
@@ -87,6 +87,18 @@ static void format_param(const pm__entry *entry, size_t i, char *text, size_t si
                    param->help);
 }
 
+/* Of a scene: is there an exact answer, and of which light? */
+static void print_answer(FILE *file, const pm__case *scene)
+{
+    char text[200];
+    if (scene->truth)
+        (void)snprintf(text, sizeof text, "exact answer: of light paths %s", scene->paths);
+    else
+        (void)snprintf(text, sizeof text, "no exact answer: for render, not for accuracy");
+    (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
+    pm__wrap(file, text, TEXT_COLUMN + 2, TEXT_COLUMN + 6);
+}
+
 static void print_item(FILE *file, const thing *item)
 {
     char text[600];
@@ -102,6 +114,8 @@ static void print_item(FILE *file, const thing *item)
         (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
         pm__wrap(file, text, TEXT_COLUMN + 2, TEXT_COLUMN + 6);
     }
+    if (item->kind->catalogue == &pm__scene_cases)
+        print_answer(file, subject);
     for (size_t i = 0; subject && i < subject->region_count; i++) {
         (void)snprintf(text, sizeof text, "region %s: %s", subject->regions[i].name, subject->regions[i].summary);
         (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
@@ -183,7 +197,7 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     cells[2] = pm__text_cell(item->entry->summary);
     cells[3] = pm__text_cell(item->entry->citation);
     cells[4] = (pm__cell){.type = PM__TREE, .tree = params, .text = *values ? values + 1 : ""};
-    if (subject) {
+    if (subject && subject->truth) {
         cells[5] = pm__text_cell(subject->paths);
         cells[6] = (pm__cell){.type = PM__TREE, .tree = region_trees(subject)};
     }

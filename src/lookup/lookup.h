@@ -67,6 +67,9 @@ typedef struct pm__gathering {
  * in order; when all are there pm__point_sets makes their pointers valid. */
 pm_status pm__gather(const pm_map *map, const pm_query *query, const pm__gathering *gathering,
                      pm_workspace *workspace, size_t set);
+/* The same, as the only set, from neighbours that a search for this query has found. */
+pm_status pm__gather_found(const pm_map *map, const pm_query *query, const pm_neighbor *neighbors, size_t count,
+                           const pm__gathering *gathering, pm_workspace *workspace);
 void pm__point_sets(pm_workspace *workspace, size_t set_count, bool offsets);
 
 /* Evaluates a spec on gathered sets, with the workspace's scratch: 0 where all are empty. */

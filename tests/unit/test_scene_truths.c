@@ -163,7 +163,7 @@ START_TEST(test_roots)
 }
 END_TEST
 
-/* ---- Every case ---- */
+/* ---- Every scene with a truth ---- */
 
 static double uniform(unsigned *state)
 {
@@ -179,6 +179,8 @@ START_TEST(test_probes)
         pm__spec spec;
         pm__spec_default(pm__scene_cases.entries[k], &spec);
         const pm__case *const c = (const pm__case *)(const void *)spec.entry;
+        if (!c->truth)
+            continue;
         unsigned state = 7;
         for (size_t region = 0; region < c->region_count; region++)
             for (int i = 0; i < 300; i++) {
@@ -226,6 +228,8 @@ START_TEST(test_mass)
         pm__spec spec;
         pm__spec_default(pm__scene_cases.entries[k], &spec);
         const pm__case *const c = (const pm__case *)(const void *)spec.entry;
+        if (!c->truth)
+            continue;
         unsigned state = 11;
         for (size_t region = 0; region < c->region_count; region++)
             for (int i = 0; i < 6 && !strstr("fold cusp", c->regions[region].name); i++) {
@@ -314,6 +318,8 @@ START_TEST(test_build)
         pm__spec spec;
         pm__spec_default(pm__scene_cases.entries[k], &spec);
         const pm__case *const c = (const pm__case *)(const void *)spec.entry;
+        if (!c->truth)
+            continue;
         pm__scene *scene = NULL;
         pm_error error;
         PM_CHECK_OK(pm__scene_create(&scene, &error), error);
