@@ -10,6 +10,7 @@
 #include "../../estimators/estimator.h"
 #include "../base/status.h"
 #include "../map/structure.h"
+#include "../methods/method.h"
 #include "../search/search.h"
 
 #include <math.h>
@@ -30,10 +31,9 @@ typedef struct work {
     pm__progress progress;
 } work;
 
-/* The path tracer needs no photons. */
 static bool makes_estimates(const pm__spec *method)
 {
-    return strcmp(method->entry->name, "path") != 0;
+    return ((const pm__method *)(const void *)method->entry)->estimates;
 }
 
 static pm_status default_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error)
