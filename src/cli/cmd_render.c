@@ -10,6 +10,7 @@
 #include "../../estimators/estimator.h"
 #include "../base/status.h"
 #include "../map/structure.h"
+#include "../methods/method.h"
 #include "../search/search.h"
 
 #include <math.h>
@@ -30,10 +31,9 @@ typedef struct work {
     pm__progress progress;
 } work;
 
-/* The path tracer needs no photons. */
 static bool makes_estimates(const pm__spec *method)
 {
-    return strcmp(method->entry->name, "path") != 0;
+    return ((const pm__method *)(const void *)method->entry)->estimates;
 }
 
 static pm_status default_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error)
@@ -212,24 +212,6 @@ static pm_status make_plans(const pm__render_task *task, pm__plan *plans, pm_err
     return status;
 }
 
-/* Of images beyond the first: over the pixels of what --aov made. */
-static void error_of(const pm__render_result *result, size_t index, pm__render_row *row)
-{
-    const pm__image *const image = &result->images[index].error;
-    const size_t count = image->values ? image->width * image->height * (size_t)image->channels : 0;
-    double sum = 0.0, squares = 0.0;
-    row->mean_error = index ? (double)NAN : result->mean_error;
-    row->rms_error = index ? (double)NAN : result->rms_error;
-    if (!index || !count)
-        return;
-    for (size_t i = 0; i < count; i++) {
-        sum += (double)image->values[i];
-        squares += (double)image->values[i] * (double)image->values[i];
-    }
-    row->mean_error = sum / (double)count;
-    row->rms_error = sqrt(squares / (double)count);
-}
-
 static void say_how_far(const pm__render_config *c, const pm__render_result *result, pm__render_row *row)
 {
     char samples[32] = "";
@@ -249,12 +231,13 @@ static pm__render_row row_of(const pm__render_task *task, const pm__render_confi
                           .stored = result->stored,
                           .emitted = result->emitted,
                           .truth = result->truth,
+                          .mean_error = result->images[index].mean_error,
+                          .rms_error = result->images[index].rms_error,
                           .trace_s = result->trace_s,
                           .build_s = result->build_s,
                           .image_s = result->image_s,
                           .total_s = result->total_s,
                           .status = result->interrupted && pm__interrupted() ? "interrupted" : "ok"};
-    error_of(result, index, &row);
     if (*row.status == 'i')
         say_how_far(config, result, &row);
     return row;

@@ -17,9 +17,18 @@ static pm_status set_method(pm__settings *s, const char *text, pm_error *error)
     return pm__spec_parse(&pm__methods, text, &s->render.method, error);
 }
 
+/* All: but those that only a bench can supply with the truth. */
 static pm_status set_estimator(pm__settings *s, const char *text, pm_error *error)
 {
-    return pm__parse_specs(&pm__estimators, text, &s->estimators, error);
+    const pm_status status = pm__parse_specs(&pm__estimators, text, &s->estimators, error);
+    size_t kept = 0;
+    if (status != PM_OK || strcmp(text, "all") != 0)
+        return status;
+    for (size_t i = 0; i < s->estimators.count; i++)
+        if (!(((const pm__estimator *)(const void *)s->estimators.items[i].entry)->needs & PM__TRUTH))
+            s->estimators.items[kept++] = s->estimators.items[i];
+    s->estimators.count = kept;
+    return PM_OK;
 }
 
 /* A list of one: the last that is given counts. */

@@ -123,15 +123,14 @@ json_t *pm__render_options_tree(const pm__render_task *task)
     return options;
 }
 
-static void print_error(FILE *file, const pm__render_row *row)
+/* Only --aov asks for a truth. */
+static void print_error(FILE *file, const pm__render_config *config, const pm__render_row *row)
 {
-    if (!row->truth)
-        (void)fputs("no truth known", file);
-    else if (isfinite(row->mean_error) && isfinite(row->rms_error))
-        (void)fprintf(file, "error %+.3g %%, rms %.3g %% (%s)", 100.0 * row->mean_error, 100.0 * row->rms_error,
+    if (row->truth && isfinite(row->mean_error) && isfinite(row->rms_error))
+        (void)fprintf(file, "; error %+.3g %%, rms %.3g %% (%s)", 100.0 * row->mean_error, 100.0 * row->rms_error,
                       strcmp(row->truth, "exact") == 0 ? "exact truth" : row->truth);
-    else
-        (void)fprintf(file, "error not known");
+    else if (config->aov)
+        (void)fputs("; no truth known", file);
 }
 
 void pm__render_print(FILE *file, const pm__render_task *task, const pm__render_row *row)
@@ -147,8 +146,8 @@ void pm__render_print(FILE *file, const pm__render_task *task, const pm__render_
                   strcmp(row->status, "interrupted") == 0 ? " (interrupted)" : "");
     if (row->emitted)
         (void)fprintf(memory, "%llu photons emitted, %zu stored; ", (unsigned long long)row->emitted, row->stored);
-    (void)fprintf(memory, "trace %.3g s, build %.3g s, image %.3g s; ", row->trace_s, row->build_s, row->image_s);
-    print_error(memory, row);
+    (void)fprintf(memory, "trace %.3g s, build %.3g s, image %.3g s", row->trace_s, row->build_s, row->image_s);
+    print_error(memory, c, row);
     if (fclose(memory) == 0)
         pm__wrap(file, line, 0, 4);
     (void)fflush(file);

@@ -117,39 +117,38 @@ static pm_status show(const pm__film *film, size_t image, bool aov, pm__render_i
     return status;
 }
 
-static void summarize(const comparison *c, pm__render_result *result)
+static void summarize(const comparison *c, size_t image, pm__render_images *images)
 {
+    const size_t at = image * c->film->pixels;
     double sum = 0.0, squares = 0.0;
     size_t known = 0;
-    for (size_t p = 0; p < c->width * c->height; p++)
+    for (size_t p = 0; c->truth && p < c->width * c->height; p++)
         for (int b = 0; b < 3; b++)
             if (isfinite(c->truth[p][b])) {
-                const double off = (block_mean(c, c->film->first, p, b) - c->truth[p][b]) * c->scale;
+                const double off = (block_mean(c, c->film->first + at, p, b) - c->truth[p][b]) * c->scale;
                 sum += off;
                 squares += off * off;
                 known++;
             }
-    result->mean_error = known ? sum / (double)known : NAN;
-    result->rms_error = known ? sqrt(squares / (double)known) : NAN;
+    images->mean_error = known ? sum / (double)known : NAN;
+    images->rms_error = known ? sqrt(squares / (double)known) : NAN;
 }
 
 pm_status pm__film_develop(const pm__film *film, const pm__image *reference, bool aov, pm__render_result *result,
                            pm_error *error)
 {
     comparison c = {.film = film, .width = film->width, .height = film->height, .block = 1};
-    result->mean_error = result->rms_error = NAN;
     result->images = pm__alloc_zero(film->images, sizeof *result->images);
     if (!result->images)
         return pm__fail(error, PM_ENOMEM, "out of memory for images");
     result->count = film->images;
     pm_status status = aov ? compare_with(&c, reference, error) : PM_OK;
     find_scale(&c);
-    if (status == PM_OK && c.truth)
-        summarize(&c, result);
     for (size_t i = 0; i < film->images && status == PM_OK; i++) {
         status = show(film, i, aov, &result->images[i], error);
         if (status == PM_OK && aov)
             status = compare(&c, i, &result->images[i], error);
+        summarize(&c, i, &result->images[i]);
     }
     free(c.truth);
     return status;

@@ -327,7 +327,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
     pm__render_job job;
     pm__plan plan;
     pm__film film;
-    *result = (pm__render_result){.mean_error = NAN, .rms_error = NAN};
+    *result = (pm__render_result){.count = 0};
     pm_status status = open_job(&job, config, &plan, error);
     if (status != PM_OK)
         return status;
