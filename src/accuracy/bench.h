@@ -3,7 +3,7 @@
 #define PM_ACCURACY_BENCH_H
 
 #include "../lookup/carriers.h"
-#include "../transport/trace.h"
+#include "../transport/shoot.h"
 #include "accuracy.h"
 
 enum { PM__MAX_REGIONS = 8, PM__MAX_MAPS = 64, PM__MAX_VARIETIES = 16 };
@@ -29,7 +29,7 @@ typedef struct pm__job {
     const pm__case *subject;
     const double *values;
     const pm__spec *case_spec, *sampler_spec;
-    size_t asked_photons, photons; /* photons: as the sampler's grid has it */
+    size_t asked_photons, photons; /* photons: as the sampler's grid has it; see pm__is_about */
     pm__scene *scene;   /* of a traced case, and the paths whose photons are stored; else NULL */
     pm__paths *paths;
 
@@ -85,6 +85,7 @@ typedef struct pm__bench_lookup {
     const pm_search *search;
     pm_workspace *workspace;
     double guess; /* m: a radius that probably holds the photons; INFINITY: none */
+    pm_source source; /* in cases of radiance: the BRDF, and the direction of the probe in hand */
 } pm__bench_lookup;
 
 /* job.c: what can be known to be wrong with a job before it starts: EINVAL, ENOMEM. Costs next to nothing. */
@@ -100,23 +101,28 @@ void pm__job_free(pm__job *job);
 pm_status pm__job_scene(pm__job *job, pm_error *error);
 
 /* draw.c: `count` photons of trial `trial`, drawn or traced; part > 0 for the part-th of several separately drawn maps
- * that share the power. normals may be NULL. There are pm__drawn_count of them: a sampler may round. EINVAL: next to no
- * traced photon is stored. */
+ * that share the power. There are pm__drawn_count of them: a sampler may round; of those traced for a sampler other than
+ * of independent photons about so many. EINVAL: next to no traced photon is stored; ECANCELED. On error the set is
+ * empty. */
 size_t pm__drawn_count(const pm__job *job, size_t count);
 pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
-                           pm_photon *photons, float (*normals)[3]);
+                           bool normals, pm__photon_set *set);
+bool pm__is_about(const pm__job *job); /* does the count differ from trial to trial? */
 /* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the
  * caller's. */
-pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm__photon_set *set,
                         pm_map **maps);
 bool pm__is_separate(const pm__deal *deal);
 pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_maps *maps);
 void pm__trial_maps_destroy(pm__trial_maps *maps);
 
-/* lookup.c: the query of a probe, and a variant's estimate there from sets that hold at least its photons. */
-pm_query pm__probe_query(const pm__bench_lookup *lookup, size_t probe, size_t k, double radius);
+/* lookup.c: the query of a probe, which becomes the one in hand, and a variant's estimate there from sets that hold at
+ * least its photons. */
+pm_query pm__probe_query(pm__bench_lookup *lookup, size_t probe, size_t k, double radius);
 pm_status pm__evaluate_variant(const pm__bench_lookup *lookup, const pm__variant *variant, size_t oracle_k,
                                const float normal[3], const pm__neighbors *sets, size_t set_count, double *value);
+/* Where the BRDF of the probe in hand comes from; NULL: irradiance is asked for. */
+const pm_source *pm__source_of(const pm__bench_lookup *lookup);
 /* Gathers what variants of a kind need; the sets are in the workspace. */
 pm_status pm__gather_main(const pm__bench_lookup *lookup, const pm_query *query);
 pm_status pm__gather_dealt(const pm__bench_lookup *lookup, size_t deal, const pm_query *query);

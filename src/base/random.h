@@ -13,7 +13,9 @@ typedef enum pm__purpose {
     PM__FOR_SCRAMBLING,
     PM__FOR_TESTS,
     PM__FOR_TIMING,
-    PM__FOR_TRACING
+    PM__FOR_TRACING,
+    PM__FOR_PIXELS, /* where in a pixel its samples lie */
+    PM__FOR_EYES    /* paths from the camera */
 } pm__purpose;
 
 /* Four 32-bit words for draw `number` (and block `block` of its dimensions) of trial `trial`. */

@@ -72,6 +72,8 @@ void pm__emit(const pm__light *light, const double u[4], double position[3], dou
         about(up, 2.0 * u[1], u[0], normal);
         for (int i = 0; i < 3; i++)
             position[i] += light->radius * normal[i];
+        for (int i = 0; i < 3 && light->inward; i++)
+            normal[i] = -normal[i];
         cosine_about(normal, u[2], u[3], direction);
         break;
     }
@@ -136,6 +138,8 @@ pm_status pm__light_check(const pm__light *light, pm_error *error)
         status = check_finite("position", light->position, error);
     if (status)
         return status;
+    if (light->inward && light->kind != PM__BALL)
+        return pm__fail(error, PM_EINVAL, "a light is inward, which only balls can be");
     switch (light->kind) {
     case PM__POINT:
         return PM_OK;

@@ -1,6 +1,5 @@
+#include "emission.h"
 #include "paths.h"
-
-#include "../base/random.h"
 
 #include <float.h>
 
@@ -16,60 +15,30 @@ typedef struct carrier {
 /* What is the same for all photons of a call. */
 typedef struct job {
     const pm__trace_config *config;
-    double total; /* of all lights and bands, W: what lights are chosen by */
+    const pm__emission *emission;
     pm__store store;
     pm__watch watch; /* NULL: nobody does */
     void *context;
 } job;
-
-/* Three uniform numbers of 42 bits from one block: a bounce takes a block of its own, so what a photon meets does not
- * depend on how many numbers were taken before. */
-static void uniform3(const pm__trace_config *config, uint64_t number, uint32_t block, double u[3])
-{
-    uint32_t w[4];
-    pm__random_words(config->seed, PM__FOR_TRACING, config->trial, number, block, w);
-    for (int i = 0; i < 3; i++)
-        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
-}
 
 static double sum(const double power[3])
 {
     return power[0] + power[1] + power[2];
 }
 
-/* By power: the photons of all lights then carry about the same. */
-static const pm__light *choose_light(const job *work, double u, double *chance)
+/* false: no light sends any. */
+static bool emit(const job *work, uint64_t number, carrier *photon)
 {
-    const pm__scene *const scene = work->config->scene;
-    const size_t count = pm__scene_light_count(scene);
-    const pm__light *chosen = NULL;
-    double before = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        const pm__light *const light = pm__scene_light_at(scene, i);
-        const double power = sum(light->power);
-        if (power > 0.0) {
-            chosen = light;
-            *chance = power / work->total;
-        }
-        before += power;
-        if (u * work->total < before)
-            break;
+    pm__departure departure;
+    if (!pm__depart(work->emission, number, &departure))
+        return false;
+    *photon = (carrier){.number = number, .shape = PM__NO_SHAPE, .places = pm__paths_begin()};
+    for (int i = 0; i < 3; i++) {
+        photon->position[i] = departure.position[i];
+        photon->direction[i] = departure.direction[i];
+        photon->power[i] = departure.power[i];
     }
-    return chosen;
-}
-
-static void emit(const job *work, uint64_t number, carrier *photon)
-{
-    double u[6], chance = 1.0;
-    uniform3(work->config, number, 0, u);
-    uniform3(work->config, number, 1, u + 3);
-    const pm__light *const light = choose_light(work, u[4], &chance);
-    pm__emit(light, u, photon->position, photon->direction);
-    for (int b = 0; b < 3; b++)
-        photon->power[b] = light->power[b] / chance;
-    photon->number = number;
-    photon->shape = PM__NO_SHAPE;
-    photon->absorption = NULL;
+    return true;
 }
 
 /* The paths' automaton takes a letter. */
@@ -117,7 +86,7 @@ static bool deposit(const job *work, const carrier *photon, const pm__hit *hit)
 static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int count)
 {
     double u[3], outgoing[3];
-    uniform3(work->config, photon->number, 2 + (uint32_t)count, u);
+    pm__trace_uniform(work->config->seed, work->config->trial, photon->number, 2 + (uint32_t)count, u);
     if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
         return false;
     if (hit->material->kind == PM__GLASS)
@@ -141,8 +110,9 @@ static bool fly(const job *work, const carrier *photon, pm__hit *hit)
 
 static bool trace_photon(const job *work, uint64_t number)
 {
-    carrier photon = {.places = pm__paths_begin()};
-    emit(work, number, &photon);
+    carrier photon;
+    if (!emit(work, number, &photon))
+        return true;
     note(work, &photon, 'L');
     for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
         pm__hit hit;
@@ -162,9 +132,13 @@ static bool trace_photon(const job *work, uint64_t number)
 uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
                            pm__watch watch, void *context)
 {
-    double power[3];
-    pm__scene_power(config->scene, power);
-    const job work = {.config = config, .total = sum(power), .store = store, .watch = watch, .context = context};
+    pm__emission independent;
+    pm__emission_init(config->scene, NULL, PM__ALL_LIGHTS, config->seed, config->trial, &independent);
+    const job work = {.config = config,
+                      .emission = config->emission ? config->emission : &independent,
+                      .store = store,
+                      .watch = watch,
+                      .context = context};
     for (uint64_t i = 0; i < count; i++)
         if (!trace_photon(&work, first + i))
             return i + 1;

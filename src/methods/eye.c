@@ -1,0 +1,143 @@
+#include "eye.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LONGEST = 1000 };
+
+pm__eye_numbers pm__eye_numbers_of(uint64_t seed, uint32_t trial, uint32_t pass, uint64_t pixel)
+{
+    /* 40 bits: pixels take the lower 28, trials the rest. */
+    return (pm__eye_numbers){seed, pixel | (uint64_t)(trial & 0xfff) << 28, pass, 0};
+}
+
+void pm__eye_uniform(pm__eye_numbers *numbers, double u[3])
+{
+    uint32_t w[4];
+    pm__random_words(numbers->seed, PM__FOR_EYES, numbers->pass, numbers->number, numbers->block++, w);
+    for (int i = 0; i < 3; i++)
+        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
+}
+
+void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *numbers, const double origin[3],
+                   const double direction[3])
+{
+    *eye = (pm__eye){.scene = scene,
+                     .numbers = *numbers,
+                     .shape = PM__NO_SHAPE,
+                     .weight = {1.0, 1.0, 1.0},
+                     .sees_lights = true,
+                     .sees_caustics = true};
+    memcpy(eye->origin, origin, sizeof eye->origin);
+    memcpy(eye->direction, direction, sizeof eye->direction);
+}
+
+static void see_lights(pm__eye *eye, double reach)
+{
+    double radiance[3] = {0.0, 0.0, 0.0};
+    const size_t count = pm__scene_light_count(eye->scene);
+    for (size_t i = 0; i < count; i++)
+        pm__light_seen(pm__scene_light_at(eye->scene, i), eye->origin, eye->direction, reach, radiance);
+    for (int b = 0; b < 3; b++)
+        eye->emitted[b] += eye->weight[b] * radiance[b];
+}
+
+/* Beer's law over the way to the hit: as for photons. */
+static void absorb(pm__eye *eye)
+{
+    if (eye->hit.material->kind == PM__GLASS)
+        eye->absorption = pm__medium_before(eye->hit.material, eye->hit.normal, eye->direction);
+    if (eye->absorption)
+        pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
+}
+
+static void depart(pm__eye *eye, const double outgoing[3])
+{
+    memcpy(eye->origin, eye->hit.position, sizeof eye->origin);
+    memcpy(eye->direction, outgoing, sizeof eye->direction);
+    eye->shape = eye->hit.shape;
+    eye->bounces++;
+}
+
+/* Basic radiance, L / n^2, is what stays: of the light that arrives from the far side the near side sees
+ * (n near / n far)^2. */
+static void cross_boundary(pm__eye *eye, bool front)
+{
+    const pm__material *const glass = eye->hit.material;
+    for (int b = 0; b < 3; b++)
+        eye->weight[b] *= front ? 1.0 / (glass->ior[b] * glass->ior[b]) : glass->ior[b] * glass->ior[b];
+}
+
+static bool scatter(pm__eye *eye)
+{
+    double u[3], outgoing[3];
+    pm__eye_uniform(&eye->numbers, u);
+    const bool front = pm__dot(eye->direction, eye->hit.normal) < 0.0;
+    const pm__event event = pm__scatter(eye->hit.material, eye->hit.normal, eye->direction, u, eye->weight, outgoing);
+    if (event == PM__ABSORBED)
+        return false;
+    if (event == PM__TRANSMITTED)
+        cross_boundary(eye, front);
+    if (eye->hit.material->kind == PM__GLASS)
+        eye->absorption = pm__medium_beyond(eye->hit.material, eye->hit.normal, outgoing);
+    depart(eye, outgoing);
+    return true;
+}
+
+bool pm__eye_follow(pm__eye *eye)
+{
+    while (eye->bounces < LONGEST) {
+        const bool met =
+            pm__scene_intersect(eye->scene, eye->origin, eye->direction, INFINITY, eye->shape, &eye->hit);
+        if (eye->sees_lights)
+            see_lights(eye, met ? eye->hit.distance : INFINITY);
+        if (!met || eye->hit.material->kind == PM__BLACK)
+            return false;
+        eye->travelled = eye->hit.distance;
+        absorb(eye);
+        if (pm__is_rough(eye->hit.material)) {
+            const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
+            for (int i = 0; i < 3; i++) {
+                eye->facing[i] = sign * eye->hit.normal[i];
+                eye->outgoing[i] = -eye->direction[i];
+            }
+            return true;
+        }
+        if (!scatter(eye))
+            return false;
+        eye->sees_lights = eye->sees_caustics;
+    }
+    return false;
+}
+
+bool pm__eye_bounce(pm__eye *eye)
+{
+    eye->sees_lights = false;
+    return scatter(eye);
+}
+
+void pm__eye_direct_from(pm__eye *eye, const pm__light *light, bool shadow, bool all, double radiance[3])
+{
+    double u[3], brdf[3];
+    pm__light_sample sample;
+    pm__eye_uniform(&eye->numbers, u);
+    const bool arrives = pm__light_reach(light, eye->hit.position, u, &sample);
+    const double cosine = arrives ? pm__dot(eye->facing, sample.direction) : 0.0;
+    const bool lit = cosine > 0.0;
+    if (!lit && !(all && arrives))
+        return;
+    if (shadow && pm__scene_blocked(eye->scene, eye->hit.position, eye->hit.shape, sample.position, PM__NO_SHAPE))
+        return;
+    if (!lit)
+        return;
+    pm__material_brdf(eye->hit.material, eye->hit.normal, sample.direction, eye->outgoing, brdf);
+    for (int b = 0; b < 3; b++)
+        radiance[b] += eye->weight[b] * brdf[b] * cosine * sample.irradiance[b];
+}
+
+void pm__eye_direct(pm__eye *eye, bool all, double radiance[3])
+{
+    const size_t count = pm__scene_light_count(eye->scene);
+    for (size_t i = 0; i < count; i++)
+        pm__eye_direct_from(eye, pm__scene_light_at(eye->scene, i), true, all, radiance);
+}

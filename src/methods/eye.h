@@ -1,0 +1,50 @@
+/* Paths from the camera: through mirrors and glass to rough surfaces, and the light that reaches those. */
+#ifndef PM_METHODS_EYE_H
+#define PM_METHODS_EYE_H
+
+#include "../base/random.h"
+#include "../scene/scene.h"
+
+/* The numbers of one eye path: a function of seed, pass, trial and pixel, and of how many were taken. */
+typedef struct pm__eye_numbers {
+    uint64_t seed, number;
+    uint32_t pass, block;
+} pm__eye_numbers;
+pm__eye_numbers pm__eye_numbers_of(uint64_t seed, uint32_t trial, uint32_t pass, uint64_t pixel);
+void pm__eye_uniform(pm__eye_numbers *numbers, double u[3]);
+
+typedef struct pm__eye {
+    const pm__scene *scene;
+    pm__eye_numbers numbers;
+    double origin[3], direction[3]; /* of the ray to follow; direction unit */
+    uint32_t shape;                 /* that it starts on, or PM__NO_SHAPE */
+    const double *absorption;       /* 1/m by band, of what it passes; NULL: nothing */
+    double weight[3];               /* of what arrives along it, by band */
+    bool sees_lights;               /* lights that it passes count: not where they were sampled already */
+    bool sees_caustics;             /* they count again once it has met a mirror or glass */
+    double emitted[3];              /* what was seen of them, W/(m2 sr), weighted */
+    double travelled;               /* m, along the last straight way */
+    int bounces;
+    pm__hit hit;                    /* the rough surface reached */
+    double facing[3], outgoing[3];  /* its normal on our side; unit, back along the ray */
+} pm__eye;
+
+/* A ray with weight 1 from a point in air. */
+void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *numbers, const double origin[3],
+                   const double direction[3]);
+
+/* Goes on through mirrors and glass, by chance where they both reflect and refract, to the next rough surface. false:
+ * there is none. Radiance changes with the square of the index of refraction where a surface is crossed. */
+bool pm__eye_follow(pm__eye *eye);
+
+/* Off the rough surface, by its BRDF, which goes into the weight. false: absorbed. The way then sees no lights, before a
+ * mirror or glass at least. */
+bool pm__eye_bounce(pm__eye *eye);
+
+/* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light, weighted.
+ * all: asks for shadow rays even where the light stands behind the surface or sends nothing there. */
+void pm__eye_direct(pm__eye *eye, bool all, double radiance[3]);
+/* The same for one light: with `shadow` a shadow ray is cast, without it none, as if nothing stood between. */
+void pm__eye_direct_from(pm__eye *eye, const pm__light *light, bool shadow, bool all, double radiance[3]);
+
+#endif
