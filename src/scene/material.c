@@ -15,6 +15,8 @@
  * Sampled so: a facet by that density, then on with chance G'. Photons keep their power. */
 #include "material.h"
 
+#include "../base/turn.h"
+
 enum { BANDS = 3 };
 
 static const double pi = 3.14159265358979323846;
@@ -99,8 +101,10 @@ static void sample_facet(const double normal[3], const double from[3], double al
     double view[3] = {width * pm__dot(s, from), width * pm__dot(t, from), pm__dot(normal, from)};
     pm__normalize_near(view);
     const double z = (1.0 - u1) * (1.0 + view[2]) - view[2];
-    const double r = sqrt(fmax(0.0, 1.0 - z * z)), phi = 2.0 * pi * u0;
-    const double x = width * (r * cos(phi) + view[0]), y = width * (r * sin(phi) + view[1]), h = z + view[2];
+    double sine, cosine;
+    pm__turn(u0, &sine, &cosine);
+    const double r = sqrt(fmax(0.0, 1.0 - z * z));
+    const double x = width * (r * cosine + view[0]), y = width * (r * sine + view[1]), h = z + view[2];
     for (int i = 0; i < 3; i++)
         facet[i] = x * s[i] + y * t[i] + h * normal[i];
     pm__normalize_near(facet);
@@ -136,9 +140,10 @@ static void mirrored(const double normal[3], const double incoming[3], double ou
 
 static void cosine_direction(const double normal[3], double u0, double u1, double outgoing[3])
 {
-    double s[3], t[3];
+    double s[3], t[3], sine, cosine;
     pm__basis(normal, s, t);
-    const double r = sqrt(u1), phi = 2.0 * pi * u0, x = r * cos(phi), y = r * sin(phi), z = sqrt(1.0 - u1);
+    pm__turn(u0, &sine, &cosine);
+    const double r = sqrt(u1), x = r * cosine, y = r * sine, z = sqrt(1.0 - u1);
     for (int i = 0; i < 3; i++)
         outgoing[i] = x * s[i] + y * t[i] + z * normal[i];
 }
