@@ -31,7 +31,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cornell = {
     .entry = {.name = "scene:cornell",
-              .summary = "Cornell box with a mirror and a glass sphere; no exact answer",
+              .summary = "Cornell box with a mirror and a glass sphere",
               .citation = "course 43, Fig. 2.16 to 2.22",
               .params = params,
               .param_count = 3},

@@ -34,7 +34,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cornell_diffuse = {
     .entry = {.name = "scene:cornell-diffuse",
-              .summary = "Cornell box with two blocks, all Lambertian; no exact answer",
+              .summary = "Cornell box with two blocks, all Lambertian",
               .citation = "Cohen and Greenberg 1985",
               .params = params,
               .param_count = 1},

@@ -101,7 +101,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cornell_water = {
     .entry = {.name = "scene:cornell-water",
-              .summary = "Cornell box half full of water with waves; no exact answer",
+              .summary = "Cornell box half full of water with waves",
               .citation = "course 43, Fig. 2.23",
               .params = params,
               .param_count = 3},

@@ -84,7 +84,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_fractal_cornell = {
     .entry = {.name = "scene:fractal-cornell",
-              .summary = "Cornell boxes within a Cornell box, by instances; no exact answer",
+              .summary = "Cornell boxes within a Cornell box, by instances",
               .citation = "after course 43, Fig. 2.24",
               .params = params,
               .param_count = 1},
