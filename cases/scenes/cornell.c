@@ -20,7 +20,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     pm_status status = pm__room_walls(scene, &room, error);
     if (!status)
         status = pm__cornell_spheres(scene, values[IOR], values[MOVED], error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 10.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.15, 10.0, error);
 }
 
 static void view(const double *values, pm__view *from)

@@ -23,7 +23,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
         status = pm__room_block(scene, white, tall, 0.15, 0.6, turn, error);
     if (!status)
         status = pm__room_block(scene, white, low, 0.15, 0.3, -turn, error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 10.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.15, 10.0, error);
 }
 
 static void view(const double *values, pm__view *from)

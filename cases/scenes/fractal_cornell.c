@@ -73,7 +73,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
         status = pm__cornell_spheres(spheres, 1.5, 0.0, error);
     if (!status)
         status = fill(scene, box, spheres, &all, (int)values[DEPTH], error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 12.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.15, 12.0, error);
 }
 
 static void view(const double *values, pm__view *from)
