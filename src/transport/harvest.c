@@ -171,8 +171,10 @@ pm_status pm__harvest_paths(const pm__shoot_config *config, pm__tracer tracer, c
     free(g.blocks);
     if (status == PM_OK)
         return PM_OK;
-    (void)pm__fail(error, status, status == PM_ENOMEM ? "out of memory for %zu stored photons" : "canceled at photon %zu",
-                   harvest->count);
+    if (status == PM_ENOMEM)
+        (void)pm__fail(error, status, "out of memory behind %zu stored photons", harvest->count);
+    else
+        (void)pm__fail(error, status, "canceled behind %zu stored photons", harvest->count);
     pm__harvest_free(harvest);
     return status;
 }

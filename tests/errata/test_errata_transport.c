@@ -60,8 +60,8 @@ static void count_paths(uint64_t run, int wanted, double power[3])
 }
 
 /* Where a path stores several photons, (N - 1)/(e - 1) is bright too, by about the number that is stored between the
- * last path's first and the N-th, over e. Right is what all paths store but for the mean of those that may have been the
- * last, over e - 1. */
+ * last path's first and the N-th, over e. Right is what all paths store but for the mean of those that may have been
+ * the last, over e - 1. */
 START_TEST(erratum_37_several_a_path)
 {
     enum { SEVERAL = 50 };
