@@ -15,8 +15,8 @@ typedef struct sample_exr {
     int width, height;
     int x, y;        /* the data window's corner */
     int subsampling; /* of the last channel, across; 0: none */
-    bool from_below; /* chunks from the last row up */
-    bool tiled, deep;
+    bool from_below; /* the header says so; this library's chunks come from the top all the same */
+    bool tiled;
     int parts; /* 0: one */
 } sample_exr;
 
@@ -104,7 +104,7 @@ static inline void encode_rows(exr_context_t context, const sample_exr *s, int p
     const int chunks = (s->height + rows - 1) / rows;
     for (int i = 0; i < chunks; i++) {
         exr_chunk_info_t chunk;
-        SAMPLE_OK(exr_write_scanline_chunk_info(context, part, s->y + rows * (s->from_below ? chunks - 1 - i : i),
+        SAMPLE_OK(exr_write_scanline_chunk_info(context, part, s->y + rows * i,
                                                 &chunk));
         encode_sample(context, s, part, &chunk);
     }
@@ -120,7 +120,6 @@ static inline void encode_tiles(exr_context_t context, const sample_exr *s, int 
         }
 }
 
-/* Deep files get a header alone, which is as far as a reader of flat images may come. */
 static inline void write_sample(const char *path, const sample_exr *s)
 {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -131,14 +130,11 @@ static inline void write_sample(const char *path, const sample_exr *s)
     for (int part = 0; part < parts; part++) {
         int index;
         SAMPLE_OK(exr_add_part(context, parts > 1 ? (part ? "b" : "a") : NULL,
-                               s->deep    ? EXR_STORAGE_DEEP_SCANLINE
-                               : s->tiled ? EXR_STORAGE_TILED
-                                          : EXR_STORAGE_SCANLINE,
-                               &index));
+                               s->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &index));
         describe_sample(context, s, index);
     }
     SAMPLE_OK(exr_write_header(context));
-    for (int part = 0; part < parts && !s->deep; part++)
+    for (int part = 0; part < parts; part++)
         (s->tiled ? encode_tiles : encode_rows)(context, s, part);
     SAMPLE_OK(exr_finish(&context));
 }

@@ -1,8 +1,8 @@
-/* A glass of cognac: a surface of revolution of the size of a real glass, on a rough, glossy floor. A ball lamp behind it
- * throws the caustic toward the camera; a large dim square above keeps the shadow from being black. The ball is as large
- * as still gives a caustic, so that paths from the camera find it through the glass.
+/* A glass of cognac: a surface of revolution of the size of a real glass, on a rough, glossy floor. A ball lamp behind
+ * it throws the caustic toward the camera; a large dim square above keeps the shadow from being black. The ball is as
+ * large as still gives a caustic, so that paths from the camera find it through the glass.
  *
- * Three surfaces without a gap, of one polygon turned about the axis, bound the glass (index 1.5) and the cognac (1.36):
+ * Three surfaces without a gap, of one polygon turned about the axis, bound the glass (index 1.5) and the cognac:
  *     glass and air       foot, stem, the bowl's outside, its rim and its inside down to the cognac,
  *     glass and cognac    the rest of the inside; its normal points into the cognac, and its index is relative,
  *     cognac and air      a disc.
@@ -19,7 +19,7 @@ static const double of_glass = 1.5, of_cognac = 1.36;                   /* indic
 static const double glass_absorbs[3] = {3, 1, 2}, cognac_absorbs[3] = {6, 30, 110}; /* 1/m */
 
 static const pm__param params[] = {
-    {.name = "depth", .type = PM__REAL, .value = 0.028, .min = 0.01, .max = 0.06, .unit = "m",
+    {.name = "depth", .type = PM__REAL, .value = 0.036, .min = 0.01, .max = 0.06, .unit = "m",
      .help = "of the cognac; the bowl is 0.085 m deep"},
     {.name = "strength", .type = PM__REAL, .value = 1.0, .min = 0.0, .max = 5.0, .unit = "",
      .help = "factor on the cognac's absorption; 0: clear"},
@@ -29,11 +29,12 @@ static const pm__param params[] = {
 
 /* r, z in mm. The ends lie on the axis, each next to a point of its height: the surface is flat there. */
 static const double control[][2] = {
-    {0, 0.5},   {8, 0.5},    {20, 0.5},    {31, 0.5},    {34, 0.8},    {34.5, 1.8}, {32, 2.8},  {20, 4.2},    {9, 6.5},
-    {5, 11},    {4, 18},     {3.8, 28},    {4.2, 38},    {6, 45},      {12, 49},    {24, 54},   {35, 63},     {41.5, 76},
-    {42.5, 90}, {39, 106},   {33.5, 120},  {30, 131},    {29, 134.5},  {28.4, 135.8}, {27.6, 135.8}, {27, 134.5},
-    {28, 131},  {31.5, 120}, {37, 106},    {40.5, 90},   {39.6, 76.6}, {33.4, 64.5}, {22.8, 56.2}, {11.5, 51.9},
-    {5, 50.6},  {0, 50.6},
+    {0, 0.5}, {8, 0.5}, {20, 0.5}, {31, 0.5}, {34, 0.8}, {34.5, 1.8}, {32, 2.8},
+    {20, 4.2}, {9, 6.5}, {5, 11}, {4, 18}, {3.8, 28}, {4.2, 38}, {6, 45},
+    {12, 49}, {24, 54}, {35, 63}, {41.5, 76}, {42.5, 90}, {39, 106}, {33.5, 120},
+    {30, 131}, {29, 134.5}, {28.4, 135.8}, {27.6, 135.8}, {27, 134.5}, {28, 131}, {31.5, 120},
+    {37, 106}, {40.5, 90}, {39.6, 76.6}, {33.4, 64.5}, {22.8, 56.2}, {11.5, 51.9}, {5, 50.6},
+    {0, 50.6},
 };
 
 enum { CONTROLS = sizeof control / sizeof *control, FIRST_INSIDE = 26, STEPS = 4,
@@ -156,7 +157,7 @@ static pm_status add_floor(pm__scene *scene, pm_error *error)
 
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 {
-    const pm__light ball = {.kind = PM__BALL, .power = {16, 15, 14}, .position = {-0.2, 0.24, 0.34}, .radius = 0.03};
+    const pm__light ball = {.kind = PM__BALL, .power = {16, 15, 14}, .position = {-0.2, 0.24, 0.34}, .radius = 0.025};
     const double above[3] = {0, 0, 1.5}, dim[3] = {4, 4.4, 5};
     pm_status status = add_floor(scene, error);
     if (!status)

@@ -5,8 +5,6 @@
 
 enum { ALBEDO, IOR, MOVED };
 
-static const double radius = 0.18, above_floor = 1e-4; /* m; touching, rounding would decide what is met first */
-
 static const pm__param params[] = {
     {.name = "albedo", .type = PM__REAL, .value = 0.75, .min = 0.0, .max = 0.99, .unit = "",
      .help = "of the white walls; the red and the blue one have it in one band, a fifth of it in the others"},
@@ -16,25 +14,12 @@ static const pm__param params[] = {
      .help = "the glass sphere is moved so far toward the back"},
 };
 
-static pm_status add_spheres(const double *values, pm__scene *scene, pm_error *error)
-{
-    const double left[3] = {-0.24, 0.2, radius + above_floor};
-    const double right[3] = {0.24, -0.16 + values[MOVED], radius + above_floor};
-    uint32_t mirror, glass;
-    pm_status status = pm__mirror_material(scene, &mirror, error);
-    if (!status)
-        status = pm__glass_material(scene, values[IOR], &glass, error);
-    if (!status)
-        status = pm__scene_sphere(scene, mirror, left, radius, false, error);
-    return status ? status : pm__scene_sphere(scene, glass, right, radius, false, error);
-}
-
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 {
     const pm__room room = pm__cornell_room(values[ALBEDO]);
     pm_status status = pm__room_walls(scene, &room, error);
     if (!status)
-        status = add_spheres(values, scene, error);
+        status = pm__cornell_spheres(scene, values[IOR], values[MOVED], error);
     return status ? status : pm__cornell_lamp(scene, 0.125, 10.0, error);
 }
 

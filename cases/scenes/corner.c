@@ -9,7 +9,7 @@
 #include "scene_case.h"
 
 static const double pi = 3.14159265358979323846, beam = 1.0; /* W/m2 */
-static const double radius = 0.9; /* m, of the beam about the middle of the unit cube, whose corners are sqrt(3)/2 off */
+static const double radius = 0.9; /* m, of the beam about the middle of the unit cube: its corners are sqrt(3)/2 off */
 
 static const pm__param params[] = {
     {.name = "angle", .type = PM__REAL, .value = 30.0, .min = 5.0, .max = 85.0, .unit = "degree",

@@ -1,14 +1,15 @@
 /* Furnace: a Lambertian sphere of radius 1 whose whole inside shines with the radiance Le.
  *
- * Truth. Light of a patch of a Lambertian sphere falls on every other alike (integrating_sphere.c), so the irradiance is
- * even, of every order: E = pi Le (1 + rho + rho^2 + ...) = pi Le / (1 - rho); what is seen is Le / (1 - rho).
+ * Truth. Light of a patch of a Lambertian sphere falls on every other alike (integrating_sphere.c), so the irradiance
+ * is even, of every order: E = pi Le (1 + rho + rho^2 + ...) = pi Le / (1 - rho); what is seen is Le / (1 - rho).
  * The light is a ball just within the wall, so that its photons do not start on it. By symmetry its light is as even on
  * the wall for any radius; only its power, 4 pi^2 Le, counts.
- * Power: that of all orders, 4 pi E.
- * Theory. Within the chord s lies the area pi s^2, a cap of the height h = s^2 / 2. At the front of a probe p arrives at
- * the cosine t from p what comes from below the plane there that is parallel to the tangent plane in p. All points send
- * alike, and equal heights are equal areas: that is the share (1 + t) / 2 = 1 - (1 - t) / 2. Over the cap,
- *     2 pi E integral_0^h (1 - x / 2) dx = 2 pi E (h - h^2 / 4).
+ * Power. That of all orders, 4 pi E.
+ * Theory. Within the chord s lies the area pi s^2, a cap of the height h = s^2 / 2. At the front of a probe p arrives
+ * at the cosine t from p what comes from below the plane there that is parallel to the tangent plane in p. All points
+ * send alike, and equal heights are equal areas: that is the share (1 + t) / 2 = 1 - (1 - t) / 2. Over the cap,
+ *     2 pi E integral_0^h (1 - x / 2) dx = 2 pi E (h - h^2 / 4):
+ * the front-side filter takes s^2 / 8 of an estimate of the radius s.
  * Where a photon lands next does not depend on where it is, so positions are independent; as of the integrating sphere,
  * noise leaves out that the number of photons of a path varies. */
 #include "scene_case.h"

@@ -25,6 +25,7 @@
     X(cornell_diffuse)    \
     X(cornell_water)      \
     X(four_lights)        \
+    X(fractal_cornell)    \
     X(cognac)
 
 #define X(name) extern const pm__case pm__case_scene_##name;

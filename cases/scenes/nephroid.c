@@ -7,9 +7,9 @@
  * The wall's dth dz = dth ds tan a catches E0 cos a cos th dth dz, and |dP/dth x dP/ds| = |cos th - 2 s|: with
  * Ef = E0 sin a, the direct irradiance of the floor,
  *     E = Ef sum of cos th / |cos th - 2 s|,   over th with  sin th - x sin 2th + y cos 2th = 0,
- * 0 < s <= height cot a, and s <= 2 cos th, the chord, where that ends in the mirror: light leaves by the open side only
- * if |th| < pi / 6 (see Power). Fold: s = cos th / 2, the curve cos th (1/2 + sin^2 th), sin^3 th; cusp (1/2, 0). The
- * wall must be as high as 2 tan a, so that no floor point lacks light from above its edge.
+ * 0 < s <= height cot a, and s <= 2 cos th, the chord, where that ends in the mirror: light leaves by the open side
+ * only if |th| < pi / 6 (see Power). Fold: s = cos th / 2, the curve cos th (1/2 + sin^2 th), sin^3 th; cusp (1/2, 0).
+ * The wall must be as high as 2 tan a, so that no floor point lacks light from above its edge.
  * Power. The chord from th ends at the angle 3 th + pi: in the open side for |th| < pi / 6, so that all of the wall's
  * light lands; else in the mirror, and only light from below 2 cos th tan a lands first. With integral of cos^2
  * from pi / 6 to pi / 2 = pi / 6 - sqrt(3) / 8:

@@ -9,8 +9,9 @@
  *     E = E0 T1 T2 / (1 - tan A tan d).
  * The width of the beam shrinks by cos t / cos A and the floor is hit under the angle d: the same.
  * The indices of red, green and blue are 1.6 - D / 2, 1.6, 1.6 + D / 2; each band has a rectangle of its own.
- * Power. w l E0 T1 T2 of each band. Where indices differ a photon goes on in one band with the power of all three, so the
- * photons of the map carry the sum of the bands, a map's share of it each; where they are alike, what one band has.
+ * Power. w l E0 T1 T2 of each band. Where indices differ a photon goes on in one band with the power of all three, so
+ * the photons of a map have the sum of the bands between them, a share alike each; where indices are alike, what one
+ * band has.
  * Theory. Where only red photons are near, those are as those of an evenly lit rectangle. */
 #include "../planar.h"
 #include "scene_case.h"
@@ -166,7 +167,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 static void view(const double *values, pm__view *from)
 {
     const double middle = middle_of(values), half = patch_of(values, BANDS - 1).area.x1 - middle;
-    const double away = 3.0 * (half + 0.1);
+    const double away = 3.0 * fmax(half, 0.6 * length);
     *from = (pm__view){.eye = {middle, -0.5 * away, away}, .at = {middle, 0, 0}, .up = {0, 1, 0}, .angle = 0.65};
 }
 

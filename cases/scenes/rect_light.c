@@ -39,7 +39,7 @@ static void view(const double *values, pm__view *from)
 {
     double half[2];
     pm__rect_light_floor(values, half);
-    const double size = fmax(half[0], half[1]);
+    const double size = sqrt(half[0] * half[1]);
     *from = (pm__view){.eye = {0, -2.2 * size, 1.2 * size + values[HEIGHT]}, .at = {0, 0, 0}, .up = {0, 0, 1},
                        .angle = 0.8};
 }

@@ -60,6 +60,20 @@ pm_status pm__glass_material(pm__scene *scene, double ior, uint32_t *index, pm_e
     return pm__scene_material(scene, &material, index, error);
 }
 
+pm_status pm__cornell_spheres(pm__scene *scene, double ior, double moved, pm_error *error)
+{
+    /* m; were they to touch the floor, rounding would decide what is met first */
+    const double radius = 0.18, above_floor = 1e-4;
+    const double left[3] = {-0.24, 0.2, radius + above_floor}, right[3] = {0.24, -0.16 + moved, radius + above_floor};
+    uint32_t mirror, glass;
+    pm_status status = pm__mirror_material(scene, &mirror, error);
+    if (!status)
+        status = pm__glass_material(scene, ior, &glass, error);
+    if (!status)
+        status = pm__scene_sphere(scene, mirror, left, radius, false, error);
+    return status ? status : pm__scene_sphere(scene, glass, right, radius, false, error);
+}
+
 /* The ceiling as four strips around its hole, or whole. */
 static pm_status add_ceiling(pm__scene *scene, uint32_t material, const pm__room *room, pm_error *error)
 {

@@ -19,13 +19,16 @@ typedef struct pm__room {
     bool no_floor;   /* for a room that stands on another's floor */
 } pm__room;
 
-/* The Cornell box: red on the left, blue on the right, white elsewhere. albedo: of white; colours have it in one band and
- * a fifth of it in the others. */
+/* The Cornell box: red on the left, blue on the right, white elsewhere. albedo: of white; colours have it in one band
+ * and a fifth of it in the others. */
 pm__room pm__cornell_room(double albedo);
 /* Looks through the open front, whose rim is that of a square image. */
 void pm__cornell_view(pm__view *view);
 /* The square lamp in its ceiling: half its side, W in each band. */
 pm_status pm__cornell_lamp(pm__scene *scene, double half, double watts, pm_error *error);
+
+/* Its spheres: a mirror on the left, glass on the right, moved so far toward the back. */
+pm_status pm__cornell_spheres(pm__scene *scene, double ior, double moved, pm_error *error);
 
 pm_status pm__room_walls(pm__scene *scene, const pm__room *room, pm_error *error);
 

@@ -3,7 +3,7 @@
 #define PM_ACCURACY_BENCH_H
 
 #include "../lookup/carriers.h"
-#include "../transport/trace.h"
+#include "../transport/shoot.h"
 #include "accuracy.h"
 
 enum { PM__MAX_REGIONS = 8, PM__MAX_MAPS = 64, PM__MAX_VARIETIES = 16 };
@@ -29,7 +29,7 @@ typedef struct pm__job {
     const pm__case *subject;
     const double *values;
     const pm__spec *case_spec, *sampler_spec;
-    size_t asked_photons, photons; /* photons: as the sampler's grid has it */
+    size_t asked_photons, photons; /* photons: as the sampler's grid has it; see pm__is_about */
     pm__scene *scene;   /* of a traced case, and the paths whose photons are stored; else NULL */
     pm__paths *paths;
 
@@ -101,14 +101,16 @@ void pm__job_free(pm__job *job);
 pm_status pm__job_scene(pm__job *job, pm_error *error);
 
 /* draw.c: `count` photons of trial `trial`, drawn or traced; part > 0 for the part-th of several separately drawn maps
- * that share the power. normals may be NULL. There are pm__drawn_count of them: a sampler may round. EINVAL: next to no
- * traced photon is stored. */
+ * that share the power. There are pm__drawn_count of them: a sampler may round; of those traced for a sampler other than
+ * of independent photons about so many. EINVAL: next to no traced photon is stored; ECANCELED. On error the set is
+ * empty. */
 size_t pm__drawn_count(const pm__job *job, size_t count);
 pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
-                           pm_photon *photons, float (*normals)[3]);
+                           bool normals, pm__photon_set *set);
+bool pm__is_about(const pm__job *job); /* does the count differ from trial to trial? */
 /* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the
  * caller's. */
-pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm_photon *photons,
+pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm__photon_set *set,
                         pm_map **maps);
 bool pm__is_separate(const pm__deal *deal);
 pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_maps *maps);

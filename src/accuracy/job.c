@@ -154,8 +154,6 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
 {
     if (!(v->estimator->dimensions & 1U << job->subject->dimensions))
         return job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
-    if (pm__is_traced(job->subject) && !((const pm__sampler *)(const void *)job->sampler_spec->entry)->independent)
-        return "photons are traced with independent numbers: --sampler poisson";
     if (job->subject->brdf && (v->estimator->needs & PM__AT_PHOTON))
         return "it stores irradiance, and radiance is asked for";
     if ((v->estimator->needs & PM__TRUTH) && !v->k)
@@ -289,7 +287,8 @@ static double trial_bytes(const pm__job *job)
 {
     enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]) };
     const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
-    const double map = pm__bytes_when_built(structure_of(job)), building = pm__bytes_to_build(structure_of(job)) - map;
+    const double map = pm__bytes_when_built(structure_of(job), true);
+    const double building = pm__bytes_to_build(structure_of(job), true) - map;
     double held = photon + map + deals * map, passing = building + (job->deal_count ? photon + 1.0 : 0.0);
     for (size_t f = 0; f < job->fraction_count; f++) {
         held += job->fractions[f] * (map + NUMBER + NORMAL);
@@ -321,7 +320,7 @@ static pm_status check_memory(const pm__job *job, pm_error *error)
     const pm__accuracy_config *const c = job->config;
     const size_t threads = c->threads ? c->threads : 1, at_once = threads < c->trials ? threads : c->trials;
     /* Times are taken with the maps of a trial at hand, building them anew one by one. */
-    const double again = (double)job->photons * pm__bytes_to_build(structure_of(job)), trial = trial_bytes(job);
+    const double again = (double)job->photons * pm__bytes_to_build(structure_of(job), true), trial = trial_bytes(job);
     const double needed = result_bytes(job) + fmax((double)at_once * trial, trial + (c->timing ? again : 0.0));
     if (!(c->memory > 0.0) || needed <= c->memory)
         return PM_OK;

@@ -65,8 +65,8 @@ static bool tabulate(const prediction *p, size_t probe, pm__radial *radial)
     return !isnan(sum);
 }
 
-/* What a photon's power counts at a probe: 1, or where radiance is asked for the BRDF, if light comes from one direction.
- * NAN: photons differ. */
+/* What a photon's power counts at a probe: 1, or where radiance is asked for the BRDF, if light comes from one
+ * direction. NAN: photons differ. */
 static double worth_at(const pm__job *job, size_t probe)
 {
     const pm__case *const subject = job->subject;

@@ -117,11 +117,11 @@ typedef struct setup_times {
     double deal[PM__MAX_VARIETIES]; /* and build; of separate maps: draw and build */
 } setup_times;
 
-static pm_status time_deal(const pm__job *job, const pm__deal *deal, const pm_photon *photons, double *seconds)
+static pm_status time_deal(const pm__job *job, const pm__deal *deal, const pm__photon_set *set, double *seconds)
 {
     pm_map *maps[PM__MAX_MAPS] = {NULL};
     const double start = now();
-    const pm_status status = pm__deal_maps(job, deal, 0, photons, maps);
+    const pm_status status = pm__deal_maps(job, deal, 0, set, maps);
     *seconds = now() - start;
     for (size_t m = 0; m < deal->maps; m++)
         pm_map_destroy(maps[m]);
@@ -131,17 +131,15 @@ static pm_status time_deal(const pm__job *job, const pm__deal *deal, const pm_ph
 static pm_status time_setup(const pm__job *job, setup_times *times)
 {
     memset(times, 0, sizeof *times);
-    pm_photon *const photons = pm__alloc(job->photons, sizeof *photons);
-    if (!photons)
-        return PM_ENOMEM;
+    pm__photon_set set;
     double start = now();
-    pm_status status = pm__draw_photons(job, 0, 0, 1, job->asked_photons, photons, NULL);
+    pm_status status = pm__draw_photons(job, 0, 0, 1, job->asked_photons, false, &set);
     times->draw = now() - start;
     start = now();
     pm_map *map = NULL;
     const pm_map_options options = {.search = pm_search_find(job->config->search)};
     if (status == PM_OK)
-        status = pm_map_create(photons, job->photons, &options, &map, NULL);
+        status = pm_map_create(set.photons, set.count, &options, &map, NULL);
     times->build = now() - start;
     for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++) {
         pm__carriers carriers;
@@ -153,8 +151,8 @@ static pm_status time_setup(const pm__job *job, setup_times *times)
     }
     pm_map_destroy(map);
     for (size_t d = 0; d < job->deal_count && status == PM_OK; d++)
-        status = time_deal(job, &job->deals[d], photons, &times->deal[d]);
-    free(photons);
+        status = time_deal(job, &job->deals[d], &set, &times->deal[d]);
+    pm__photon_set_free(&set);
     return status;
 }
 

@@ -1,18 +1,23 @@
 #include "exr_messages.h"
 
+/* The library calls the handler on the thread that made the error. */
+static _Thread_local pm__exr_message *listener;
+
+void pm__exr_listen(pm__exr_message *message)
+{
+    listener = message;
+}
+
 void pm__exr_keep_message(exr_const_context_t context, exr_result_t code, const char *text)
 {
+    (void)context;
     (void)code;
-    void *user = NULL;
-    if (!context || !text || exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || !user)
-        return;
-    pm__exr_message *const message = user;
-    if (message->text[0]) /* the first is nearest to the cause */
+    if (!listener || !text || listener->text[0]) /* the first is nearest to the cause */
         return;
     size_t i = 0;
     for (; text[i] && i < PM__EXR_MESSAGE - 1; i++) /* the file's bytes may be in it */
-        message->text[i] = text[i] >= ' ' && text[i] <= '~' ? text[i] : '?';
-    message->text[i] = '\0';
+        listener->text[i] = text[i] >= ' ' && text[i] <= '~' ? text[i] : '?';
+    listener->text[i] = '\0';
 }
 
 const char *pm__exr_reason(const pm__exr_message *message, exr_result_t code)

@@ -6,10 +6,13 @@
 
 enum { PM__EXR_MESSAGE = 128 };
 
-/* First member of the user data of a context, so that its handler finds it. */
 typedef struct pm__exr_message {
     char text[PM__EXR_MESSAGE]; /* the first since it was emptied, printable; "" where there was none */
 } pm__exr_message;
+
+/* Contexts that use the handler below keep their messages there, on this thread, until the next call; NULL: nowhere.
+ * A handler cannot ask its context for the user data: some functions call it while they hold the lock for that. */
+void pm__exr_listen(pm__exr_message *message);
 
 /* For error_handler_fn. */
 void pm__exr_keep_message(exr_const_context_t context, exr_result_t code, const char *text);

@@ -35,12 +35,24 @@ static int64_t append(exr_const_context_t context, void *user, const void *from,
     return (int64_t)count;
 }
 
+/* These would make the file another kind of file; those that are there already are found by looking. */
+static bool is_reserved(const char *name)
+{
+    static const char *const names[] = {"name", "type", "version", "chunkCount", "maxSamplesPerPixel", "tiles",
+                                        "preview"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+            return true;
+    return false;
+}
+
 static pm_status add_attribute(exr_context_t context, const pm__attribute *attribute, pm_error *error)
 {
     const exr_attribute_t *known = NULL;
     exr_result_t code = EXR_ERR_INVALID_ATTR;
     /* Setting one again would change it, be it the format's own. */
-    if (exr_get_attribute_by_name(context, 0, attribute->name, &known) != EXR_ERR_SUCCESS)
+    if (!is_reserved(attribute->name) &&
+        exr_get_attribute_by_name(context, 0, attribute->name, &known) != EXR_ERR_SUCCESS)
         code = attribute->text ? exr_attr_set_string(context, 0, attribute->name, attribute->text)
                                : exr_attr_set_double(context, 0, attribute->name, attribute->number);
     if (code == EXR_ERR_SUCCESS)
@@ -49,8 +61,8 @@ static pm_status add_attribute(exr_context_t context, const pm__attribute *attri
         return pm__fail(error, PM_ENOMEM, "no memory for an image's attributes");
     char quoted[PM__QUOTE_SIZE];
     pm__quote(attribute->name, strlen(attribute->name), quoted);
-    return pm__fail(error, PM_EINVAL, "an image's header takes no attribute \"%s\": it is too long, or there already",
-                    quoted);
+    return pm__fail(error, PM_EINVAL, "an image's header takes no attribute \"%s\": the name must have 1 to 31 bytes and "
+                    "not be taken", quoted);
 }
 
 /* The header, but for the attributes that the caller adds: windows from (0, 0), square pixels, rows from the top. */
@@ -118,6 +130,7 @@ static pm_status compose(output *out, const pm__image *image, bool half, const p
 {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = pm__exr_keep_message;
+    pm__exr_listen(&out->message);
     settings.user_data = out;
     settings.write_fn = append;
     exr_context_t context = NULL;
@@ -135,6 +148,7 @@ static pm_status compose(output *out, const pm__image *image, bool half, const p
     }
     /* It ends the file: a failure here counts as well. */
     const exr_result_t ended = context ? exr_finish(&context) : EXR_ERR_SUCCESS;
+    pm__exr_listen(NULL);
     if (code == EXR_ERR_SUCCESS)
         code = ended;
     return status == PM_OK && code != EXR_ERR_SUCCESS ? library_error(out, code, error) : status;

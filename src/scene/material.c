@@ -43,10 +43,16 @@ double pm__fresnel(double cosine, double eta, double *refracted)
     return 0.5 * (s * s + p * p);
 }
 
-void pm__beer(const pm__material *material, double distance, double power[3])
+void pm__attenuate(const double absorption[3], double distance, double power[3])
 {
     for (int b = 0; b < BANDS; b++)
-        power[b] *= exp(-material->absorption[b] * distance);
+        if (absorption[b] > 0.0)
+            power[b] *= exp(-absorption[b] * distance);
+}
+
+void pm__beer(const pm__material *material, double distance, double power[3])
+{
+    pm__attenuate(material->absorption, distance, power);
 }
 
 /* ---- Glossy ---------------------------------------------------------------------------------- */
@@ -329,8 +335,10 @@ pm_status pm__material_check(const pm__material *material, pm_error *error)
     case PM__MIRROR:
         return check_bands("specular", material->specular, 0.0, 1.0, error);
     case PM__GLASS: {
-        const pm_status status = check_bands("ior", material->ior, 1e-3, 1e3, error);
-        return status ? status : check_bands("absorption", material->absorption, 0.0, 1e30, error);
+        pm_status status = check_bands("ior", material->ior, 1e-3, 1e3, error);
+        if (!status)
+            status = check_bands("absorption", material->absorption, 0.0, 1e30, error);
+        return status ? status : check_bands("outside", material->outside, 0.0, 1e30, error);
     }
     case PM__BLACK:
         return PM_OK;

@@ -83,7 +83,7 @@ static void add_triangle(pm__mesh *mesh, size_t *next, size_t a, size_t b, size_
     triangle[2] = (uint32_t)c;
 }
 
-/* Between the rings that begin at `low` and `high`. Four corners of a belt lie in one plane, so either diagonal does. */
+/* Between the rings that begin at `low` and `high`. Four corners lie in one plane, so either diagonal does. */
 static void add_belt(pm__mesh *mesh, size_t *next, size_t low, bool low_pole, size_t high, bool high_pole, size_t turns)
 {
     for (size_t i = 0; i < turns; i++) {

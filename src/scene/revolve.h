@@ -22,8 +22,8 @@ enum { PM__MOST_TURNS = 1 << 16, PM__MOST_PROFILE = 1 << 16 };
  * triangle is degenerate but where float cannot hold its corners apart (then pm__scene_mesh refuses it).
  *
  * EINVAL: fewer than 2 points or more than 65536, fewer than 3 turns or more than 65536, what would take more than
- * 2^31 triangles; a point (its number is in the error) that is not finite, beyond 1e12 m or of negative radius, is as the
- * one before it, or lies on the axis as that does. ENOMEM. On error the mesh is empty. Free by pm__mesh_free. */
+ * 2^31 triangles; a point (its number is in the error) that is not finite, beyond 1e12 m or of negative radius, is as
+ * the one before it, or lies on the axis as that does. ENOMEM. On error the mesh is empty. Free by pm__mesh_free. */
 pm_status pm__revolve(const double (*profile)[2], size_t count, size_t turns, pm__mesh *mesh, pm_error *error);
 
 /* All 0 but for the counts. ENOMEM: the mesh is then empty. */

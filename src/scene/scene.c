@@ -268,6 +268,7 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
     memcpy(t, triangles, triangle_count * sizeof *t);
     made->vertices = (const float(*)[3])v;
     made->triangles = (const uint32_t(*)[3])t;
+    made->vertex_count = vertex_count;
     pm__rays_triangles(embree);
     box_of(made, vertices, vertex_count);
     pm__geometry_attach(scene, made, embree);

@@ -15,6 +15,9 @@ void pm__projection_destroy(pm__projection *projection); /* NULL is allowed */
 /* The share of a light's power in cells that are on: 0 where it reaches no such object. */
 double pm__projection_share(const pm__projection *projection, size_t light);
 
+/* Are photons sent by these numbers? false: none by them meets the box of such an object. */
+bool pm__projection_covers(const pm__projection *projection, size_t light, const double u[4]);
+
 /* Moves u[0..3], uniform over the unit cube, to the cells that are on, uniformly. Only where the share is above 0. */
 void pm__projection_aim(const pm__projection *projection, size_t light, double u[4]);
 

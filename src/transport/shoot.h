@@ -38,8 +38,8 @@ void pm__photon_set_free(pm__photon_set *set); /* an empty set is allowed */
 
 /* Shadow photons (Jensen and Christensen 1995; [C02] 2.1): photons of light `light` alone, straight on. The first rough
  * or specular surface that one meets is lit; every rough surface behind it lies in that light's shadow.
- * shadow[i]: photon i is a shadow photon (its power is 0). config->paths, projection and count's meaning: count is of
- * photons emitted, paths are not looked at. *shadow: the caller's, to be freed. */
+ * shadow[i]: photon i is a shadow photon (its power is 0). config->count is of photons emitted; paths and projection
+ * are not looked at. *shadow: the caller's, to be freed. */
 pm_status pm__shoot_shadows(const pm__shoot_config *config, size_t light, pm__photon_set *set, unsigned char **shadow,
                             pm_error *error);
 

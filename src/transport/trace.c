@@ -1,6 +1,5 @@
+#include "emission.h"
 #include "paths.h"
-
-#include "../base/random.h"
 
 #include <float.h>
 
@@ -9,66 +8,37 @@ typedef struct carrier {
     uint64_t number;
     double position[3], direction[3], power[3];
     uint32_t shape;             /* that it stands on */
-    const pm__material *medium; /* the glass that it is in; NULL: none */
+    const double *absorption;   /* 1/m by band, of the medium that it was last known to be in; NULL: none yet */
     pm__places places;
 } carrier;
 
 /* What is the same for all photons of a call. */
 typedef struct job {
     const pm__trace_config *config;
-    double total; /* of all lights and bands, W: what lights are chosen by */
+    const pm__emission *emission;
     pm__store store;
+    pm__watch watch; /* NULL: nobody does */
     void *context;
 } job;
-
-/* Three uniform numbers of 42 bits from one block: a bounce takes a block of its own, so what a photon meets does not
- * depend on how many numbers were taken before. */
-static void uniform3(const pm__trace_config *config, uint64_t number, uint32_t block, double u[3])
-{
-    uint32_t w[4];
-    pm__random_words(config->seed, PM__FOR_TRACING, config->trial, number, block, w);
-    for (int i = 0; i < 3; i++)
-        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
-}
 
 static double sum(const double power[3])
 {
     return power[0] + power[1] + power[2];
 }
 
-/* By power: the photons of all lights then carry about the same. */
-static const pm__light *choose_light(const job *work, double u, double *chance)
+/* false: no light sends any. */
+static bool emit(const job *work, uint64_t number, carrier *photon)
 {
-    const pm__scene *const scene = work->config->scene;
-    const size_t count = pm__scene_light_count(scene);
-    const pm__light *chosen = NULL;
-    double before = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        const pm__light *const light = pm__scene_light_at(scene, i);
-        const double power = sum(light->power);
-        if (power > 0.0) {
-            chosen = light;
-            *chance = power / work->total;
-        }
-        before += power;
-        if (u * work->total < before)
-            break;
+    pm__departure departure;
+    if (!pm__depart(work->emission, number, &departure))
+        return false;
+    *photon = (carrier){.number = number, .shape = PM__NO_SHAPE, .places = pm__paths_begin()};
+    for (int i = 0; i < 3; i++) {
+        photon->position[i] = departure.position[i];
+        photon->direction[i] = departure.direction[i];
+        photon->power[i] = departure.power[i];
     }
-    return chosen;
-}
-
-static void emit(const job *work, uint64_t number, carrier *photon)
-{
-    double u[6], chance = 1.0;
-    uniform3(work->config, number, 0, u);
-    uniform3(work->config, number, 1, u + 3);
-    const pm__light *const light = choose_light(work, u[4], &chance);
-    pm__emit(light, u, photon->position, photon->direction);
-    for (int b = 0; b < 3; b++)
-        photon->power[b] = light->power[b] / chance;
-    photon->number = number;
-    photon->shape = PM__NO_SHAPE;
-    photon->medium = NULL;
+    return true;
 }
 
 /* The paths' automaton takes a letter. */
@@ -88,14 +58,14 @@ static bool is_over(const job *work, const carrier *photon)
     return work->config->paths && pm__paths_dead(work->config->paths, photon->places);
 }
 
-/* Beer's law over the way to the surface. A photon that comes to a glass boundary from within was in that glass, also
- * where a light stands inside. */
+/* Beer's law over the way to the surface. A glass boundary says what lies before it, also to a photon whose light is
+ * inside; elsewhere the medium is that beyond the boundary left last. */
 static void absorb(carrier *photon, const pm__hit *hit)
 {
-    const bool within = hit->material->kind == PM__GLASS && pm__dot(photon->direction, hit->normal) > 0.0;
-    const pm__material *const medium = within ? hit->material : photon->medium;
-    if (medium)
-        pm__beer(medium, hit->distance, photon->power);
+    if (hit->material->kind == PM__GLASS)
+        photon->absorption = pm__medium_before(hit->material, hit->normal, photon->direction);
+    if (photon->absorption)
+        pm__attenuate(photon->absorption, hit->distance, photon->power);
 }
 
 /* false: the receiver wants no more. */
@@ -116,11 +86,11 @@ static bool deposit(const job *work, const carrier *photon, const pm__hit *hit)
 static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int count)
 {
     double u[3], outgoing[3];
-    uniform3(work->config, photon->number, 2 + (uint32_t)count, u);
+    pm__trace_uniform(work->config->seed, work->config->trial, photon->number, 2 + (uint32_t)count, u);
     if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
         return false;
     if (hit->material->kind == PM__GLASS)
-        photon->medium = pm__dot(outgoing, hit->normal) < 0.0 ? hit->material : NULL;
+        photon->absorption = pm__medium_beyond(hit->material, hit->normal, outgoing);
     for (int i = 0; i < 3; i++) {
         photon->position[i] = hit->position[i];
         photon->direction[i] = outgoing[i];
@@ -130,16 +100,23 @@ static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int cou
     return sum(photon->power) < FLT_MAX;
 }
 
+/* false: it meets nothing. */
+static bool fly(const job *work, const carrier *photon, pm__hit *hit)
+{
+    if (work->watch)
+        work->watch(work->context, photon->position, photon->direction, photon->shape);
+    return pm__scene_intersect(work->config->scene, photon->position, photon->direction, INFINITY, photon->shape, hit);
+}
+
 static bool trace_photon(const job *work, uint64_t number)
 {
-    carrier photon = {.places = pm__paths_begin()};
-    emit(work, number, &photon);
+    carrier photon;
+    if (!emit(work, number, &photon))
+        return true;
     note(work, &photon, 'L');
     for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
         pm__hit hit;
-        if (!pm__scene_intersect(work->config->scene, photon.position, photon.direction, INFINITY, photon.shape,
-                                 &hit) ||
-            hit.material->kind == PM__BLACK)
+        if (!fly(work, &photon, &hit) || hit.material->kind == PM__BLACK)
             break;
         absorb(&photon, &hit);
         const bool rough = pm__is_rough(hit.material);
@@ -152,13 +129,23 @@ static bool trace_photon(const job *work, uint64_t number)
     return true;
 }
 
-uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
+                           pm__watch watch, void *context)
 {
-    double power[3];
-    pm__scene_power(config->scene, power);
-    const job work = {config, sum(power), store, context};
+    pm__emission independent;
+    pm__emission_init(config->scene, NULL, PM__ALL_LIGHTS, config->seed, config->trial, &independent);
+    const job work = {.config = config,
+                      .emission = config->emission ? config->emission : &independent,
+                      .store = store,
+                      .watch = watch,
+                      .context = context};
     for (uint64_t i = 0; i < count; i++)
         if (!trace_photon(&work, first + i))
             return i + 1;
     return count;
+}
+
+uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+{
+    return pm__trace_watched(config, first, count, store, NULL, context);
 }

@@ -8,8 +8,8 @@
 
 enum { PM__LONGEST_PATH = 1000 };
 
-/* Photon numbers lie below. */
-#define PM__MOST_TRACED ((uint64_t)1 << 40)
+/* Photon numbers lie below; those from here on are of trial runs, and as many again above serve other ends. */
+#define PM__MOST_TRACED ((uint64_t)1 << 39)
 
 /* Which stored photons are wanted, by their light path: Heckbert's grammar with L (light), S (mirror or glass) and D
  * (rough) as a POSIX extended regular expression that must match the whole path up to the surface where the photon is
@@ -38,11 +38,18 @@ typedef struct pm__trace_config {
     const pm__paths *paths; /* NULL: all */
     uint64_t seed;
     uint32_t trial;
+    const struct pm__emission *emission; /* what leaves the lights; NULL: independent photons, everywhere */
 } pm__trace_config;
 
 /* Traces photons first .. first + count - 1 in order, on this thread. Returns how many were emitted: fewer where store
- * said stop, the photon that it stopped at counted. Numbers below 2^40. The light of a photon is chosen by power; each
- * photon carries the total power by band of its light over the chance of that light. */
+ * said stop, the photon that it stopped at counted. Numbers below PM__MOST_TRACED. The light of a photon is chosen by
+ * power; each photon carries the total power by band of its light over the chance of that light. */
 uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context);
+
+/* The same, and `watch` is called (with the same context) for each ray before it is answered, in the order of tracing.
+ * from: as pm__scene_intersect has it. */
+typedef void (*pm__watch)(void *context, const double origin[3], const double direction[3], uint32_t from);
+uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
+                           pm__watch watch, void *context);
 
 #endif

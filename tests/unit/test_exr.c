@@ -130,8 +130,8 @@ START_TEST(halves_are_the_nearest)
     static const float some[] = {0.0F, -0.0F, 1.0F, 65504.0F, 65519.0F, 65520.0F, 1e6F, -1e30F, 0x1p-24F, 0x1p-25F,
                                  0x1.000002p-25F, -0x1p-26F, 0x1.002p0F, 0x1.006p0F, 0x1.002002p0F, 0x1.ffep-15F,
                                  INFINITY, -INFINITY, 2049.0F, 2051.0F, 1e-10F, FLT_TRUE_MIN};
-    enum { SOME = sizeof some / sizeof *some, COUNT = 64 * 64 };
-    pm__image image = make_image(64, 64, 1);
+    enum { SOME = sizeof some / sizeof *some, COUNT = 64 * 64 * 3 };
+    pm__image image = make_image(64, 64, 3);
     for (size_t i = 0; i < COUNT; i++) /* random bits of exponents from 2^-30 to 2^18 */
         image.values[i] = i < SOME ? some[i]
                                    : ldexpf(1.0F + (float)((i * 2654435761U >> 7) % (1 << 20)) / (1 << 20),
@@ -322,7 +322,7 @@ static void check_sample(const sample_exr *s)
     pm__image_free(&got);
 }
 
-/* Of the compressions without loss: B44 has loss. */
+/* Of every compression that is read; with PXR24's 24 bits whole numbers lose nothing. */
 START_TEST(other_files_are_read)
 {
     static const exr_compression_t exact[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
@@ -354,6 +354,22 @@ static void check_sample_refused(const sample_exr *s, const char *reason)
     check_refused(path, PM_EFORMAT, reason);
 }
 
+/* Writes the sample with one byte changed: at an offset, or that of an attribute's value. */
+static void write_changed(const sample_exr *s, size_t at, const char *attribute, int value)
+{
+    static char bytes[1 << 16];
+    write_sample(in_directory("s.exr"), s);
+    const size_t size = (size_t)pm__test_read(path, bytes, sizeof bytes);
+    if (attribute) {
+        const char *const found = memmem(bytes, size, attribute, strlen(attribute) + 1);
+        ck_assert_ptr_nonnull(found);
+        const char *const type = found + strlen(attribute) + 1;
+        at = (size_t)(type + strlen(type) + 1 + 4 - bytes);
+    }
+    bytes[at] = (char)value;
+    pm__test_write(path, bytes, size);
+}
+
 START_TEST(other_kinds_refused)
 {
     sample_exr s = {.channels = "BGR", .type = EXR_PIXEL_FLOAT, .compression = EXR_COMPRESSION_ZIP, .width = 20,
@@ -364,10 +380,14 @@ START_TEST(other_kinds_refused)
     s.parts = 2;
     check_sample_refused(&s, "found several parts");
     s.parts = 0;
-    s.deep = true;
-    s.compression = EXR_COMPRESSION_ZIPS;
-    check_sample_refused(&s, "found deep pixels");
-    s.deep = false;
+    write_changed(&s, 5, NULL, 8);
+    check_refused(path, PM_EFORMAT, "found deep pixels");
+    write_changed(&s, 0, "compression", EXR_COMPRESSION_B44); /* release 3.1.5 decodes floats in it wrongly */
+    check_refused(path, PM_EFORMAT, "found another");
+    write_changed(&s, 0, "compression", EXR_COMPRESSION_DWAB);
+    check_refused(path, PM_EFORMAT, "found another");
+    write_changed(&s, 0, "compression", 77);
+    check_refused(path, PM_EFORMAT, "expected");
     s.channels = "BR";
     check_sample_refused(&s, "found no G");
     s.channels = "AG";

@@ -1,0 +1,179 @@
+#include "emission.h"
+
+#include "../base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Numbers that no photon has: the fraction by which lights' counts are rounded, and keys of the lights' points. */
+#define ROUNDING (PM__OTHER_NUMBERS + 0)
+#define KEYS (PM__OTHER_NUMBERS + 1)
+
+void pm__trace_uniform(uint64_t seed, uint32_t trial, uint64_t number, uint32_t block, double u[3])
+{
+    uint32_t w[4];
+    pm__random_words(seed, PM__FOR_TRACING, trial, number, block, w);
+    for (int i = 0; i < 3; i++)
+        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
+}
+
+static double sum(const double power[3])
+{
+    return power[0] + power[1] + power[2];
+}
+
+/* W that the light sends. */
+static double sent(const pm__emission *emission, size_t light)
+{
+    if (emission->only != PM__ALL_LIGHTS && emission->only != light)
+        return 0.0;
+    const double power = sum(pm__scene_light_at(emission->scene, light)->power);
+    return emission->projection ? power * pm__projection_share(emission->projection, light) : power;
+}
+
+void pm__emission_init(const pm__scene *scene, const pm__projection *projection, size_t only, uint64_t seed,
+                       uint32_t trial, pm__emission *emission)
+{
+    *emission = (pm__emission){.scene = scene, .projection = projection, .only = only, .seed = seed, .trial = trial};
+    for (size_t i = 0; i < pm__scene_light_count(scene); i++)
+        emission->total += sent(emission, i);
+}
+
+/* Each light with a key of its own: lights that are alike must not send alike. */
+static void init_points(const pm__emission *emission, const pm__sampler *sampler, size_t light, uint64_t count,
+                        pm__points *points)
+{
+    static const double square[2] = {1.0, 1.0}, round_square[2] = {3.14159265358979323846, 1.0};
+    const pm__light *const at = pm__scene_light_at(emission->scene, light);
+    uint32_t key[4];
+    pm__random_words(emission->seed, PM__FOR_TRACING, 0, KEYS, (uint32_t)light, key);
+    /* Of all but rectangles the first number is an angle, of 2 pi, beside a cosine or a radius squared. */
+    pm__points_init(points, sampler, (uint64_t)key[0] << 32 | key[1], PM__FOR_PHOTONS, emission->trial, count, 4, 2,
+                    at->kind == PM__RECTANGLE ? square : round_square);
+}
+
+/* The sum of the counts of the first lights is that of their shares, rounded up by a chance common to all: each light
+ * has then the whole number below its share or the one above, its share on average, and all of them `count`. */
+static void deal_numbers(pm__emission *emission, const pm__sampler *sampler, uint64_t count)
+{
+    const size_t lights = pm__scene_light_count(emission->scene);
+    double u[3], before = 0.0;
+    uint64_t dealt = 0, drawn = 0;
+    pm__trace_uniform(emission->seed, emission->trial, ROUNDING, 0, u);
+    for (size_t i = 0; i < lights; i++) {
+        before += sent(emission, i);
+        const double end = fmin((double)count * fmin(before / emission->total, 1.0) + u[0], (double)count);
+        const uint64_t wanted = (uint64_t)end - dealt;
+        uint64_t made = 0;
+        if (wanted > 0) {
+            init_points(emission, sampler, i, wanted, &emission->points[i]);
+            made = emission->points[i].count;
+            emission->weight[i] = (double)wanted / (double)made;
+            dealt += wanted;
+        }
+        emission->first[i] = drawn;
+        drawn += made;
+    }
+    emission->first[lights] = drawn;
+    for (size_t i = 0; i < lights; i++)
+        emission->weight[i] *= (double)drawn / (double)dealt;
+}
+
+pm_status pm__emission_spread(pm__emission *emission, const pm__sampler *sampler, uint64_t count, pm_error *error)
+{
+    const size_t lights = pm__scene_light_count(emission->scene);
+    if (count > UINT32_MAX)
+        return pm__fail(error, PM_EINVAL, "%llu photons spread by %s: at most %u", (unsigned long long)count,
+                        sampler->entry.name, UINT32_MAX);
+    emission->points = pm__alloc_zero(lights, sizeof *emission->points);
+    emission->first = pm__alloc_zero(lights + 1, sizeof *emission->first);
+    emission->weight = pm__alloc_zero(lights, sizeof *emission->weight);
+    if (!emission->points || !emission->first || !emission->weight) {
+        pm__emission_free(emission);
+        return pm__fail(error, PM_ENOMEM, "out of memory for %zu lights", lights);
+    }
+    if (emission->total > 0.0 && count > 0)
+        deal_numbers(emission, sampler, count);
+    return PM_OK;
+}
+
+uint64_t pm__emission_count(const pm__emission *emission)
+{
+    return emission->first[pm__scene_light_count(emission->scene)];
+}
+
+void pm__emission_free(pm__emission *emission)
+{
+    free(emission->points);
+    free(emission->first);
+    free(emission->weight);
+    emission->points = NULL;
+    emission->first = NULL;
+    emission->weight = NULL;
+}
+
+/* By power: the photons of all lights then carry the same. */
+static size_t choose_light(const pm__emission *emission, double u)
+{
+    const size_t count = pm__scene_light_count(emission->scene);
+    size_t chosen = 0;
+    double before = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const double power = sent(emission, i);
+        if (power > 0.0)
+            chosen = i;
+        before += power;
+        if (u * emission->total < before)
+            break;
+    }
+    return chosen;
+}
+
+/* The light whose numbers hold it. */
+static size_t light_of(const pm__emission *emission, uint64_t number)
+{
+    size_t low = 0, high = pm__scene_light_count(emission->scene);
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (emission->first[middle] <= number)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* factor: of the light's power. */
+static void leave(const pm__emission *emission, size_t light, double u[4], double factor, pm__departure *departure)
+{
+    const pm__light *const from = pm__scene_light_at(emission->scene, light);
+    if (emission->projection)
+        pm__projection_aim(emission->projection, light, u);
+    pm__emit(from, u, departure->position, departure->direction);
+    for (int b = 0; b < 3; b++)
+        departure->power[b] = from->power[b] * factor;
+}
+
+static double factor_of(const pm__emission *emission, size_t light)
+{
+    return emission->total / sum(pm__scene_light_at(emission->scene, light)->power);
+}
+
+bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *departure)
+{
+    double u[6];
+    if (!(emission->total > 0.0))
+        return false;
+    if (emission->points) {
+        const size_t light = light_of(emission, number);
+        const pm__points *const points = &emission->points[light];
+        points->sampler->point(points, number - emission->first[light], u);
+        leave(emission, light, u, factor_of(emission, light) * emission->weight[light], departure);
+        return true;
+    }
+    pm__trace_uniform(emission->seed, emission->trial, number, 0, u);
+    pm__trace_uniform(emission->seed, emission->trial, number, 1, u + 3);
+    const size_t light = choose_light(emission, u[4]);
+    leave(emission, light, u, factor_of(emission, light), departure);
+    return true;
+}
