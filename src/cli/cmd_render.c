@@ -153,7 +153,7 @@ static pm_status check_memory(const pm__render_task *task, pm_error *error)
     const double memory = pm__free_memory(), pixels = (double)c->width * (double)c->height;
     double wanted = pixels * (double)task->estimator_count * (c->aov ? WITH_AOV : PLAIN);
     if (task->estimates)
-        wanted += (double)c->photons * ((double)sizeof(pm_photon) + pm__bytes_to_build(c->search->structure));
+        wanted += (double)c->photons * ((double)sizeof(pm_photon) + pm__bytes_to_build(c->search->structure, false));
     if (memory > 0.0 && wanted > memory)
         return pm__fail(error, PM_ENOMEM, "%zux%zu pixels and %zu photons take %.3g GB of memory; %.3g GB are free",
                         c->width, c->height, c->photons, 1e-9 * wanted, 1e-9 * memory);

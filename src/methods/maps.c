@@ -27,7 +27,9 @@ static bool is_shared(const pm__render_job *job, size_t image)
 
 static pm_map_options options_of(const pm__render_job *job)
 {
-    return (pm_map_options){.parallel = job->config->parallel, .search = job->config->search};
+    return (pm_map_options){.parallel = job->config->parallel,
+                            .search = job->config->search,
+                            .no_directions = !job->needs.directions};
 }
 
 static bool reaches_any(const pm__scene *scene, const pm__projection *projection)
