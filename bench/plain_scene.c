@@ -170,7 +170,7 @@ static bool fill_scene(const pm__plain_scene *plain, const pm__scene *whole, con
         const RTCScene *const part = g->part ? find_part(plain, whole, g->part) : NULL;
         if (part)
             add_instance(plain->device, to, *part, &g->placement);
-        else if (g->vertices)
+        else if (g->planes)
             filled = add_triangles(plain->device, to, g->vertices, g->vertex_count, g->triangles, g->count);
         else
             filled = add_shape(plain->device, to, &g->shape);

@@ -129,7 +129,7 @@ static pm_status attach_part(pm__scene *scene, pm__scene *part, const pm__geomet
     made->placement = ready->placement;
     memcpy(made->low, ready->low, sizeof made->low);
     memcpy(made->high, ready->high, sizeof made->high);
-    pm__rays_part(embree);
+    pm__rays_shape(embree);
     pm__geometry_attach(scene, made, embree);
     part->smallest = part->smallest > 0.0 ? fmin(part->smallest, ready->placement.scale) : ready->placement.scale;
     return PM_OK;

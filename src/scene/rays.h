@@ -11,6 +11,10 @@
 /* In the terms of a part: the ray's end lies on a shape, but on none of this part. No shape has this number. */
 #define PM__ELSEWHERE (PM__NO_SHAPE - 1)
 
+typedef struct pm__plane {
+    double normal[3], corner[3]; /* unit; m */
+} pm__plane;
+
 /* One exact shape, one mesh or one part where it is placed: what Embree calls a geometry. */
 typedef struct pm__geometry {
     const pm__scene *scene;
@@ -21,10 +25,22 @@ typedef struct pm__geometry {
     pm__placement placement;
     double low[3], high[3]; /* the box about it, m */
     pm__shape shape;
-    const float (*vertices)[3]; /* Embree's; NULL for an exact shape */
+    pm__plane *planes; /* of the triangles of a mesh; NULL: it is none */
+    const float (*vertices)[3]; /* Embree's */
     const uint32_t (*triangles)[3];
     size_t vertex_count;
 } pm__geometry;
+
+/* So many exact shapes are asked one by one: measured, Embree takes longer to find which of them to ask. */
+enum { PM__MOST_FEW = 16 };
+
+/* Planes, by component. */
+typedef struct pm__planes {
+    double corner[3][PM__MOST_FEW], normal[3][PM__MOST_FEW]; /* normals of those beyond count are 0 */
+    uint32_t number[PM__MOST_FEW];                           /* of the shape */
+    const pm__geometry *geometry[PM__MOST_FEW];
+    size_t count;
+} pm__planes;
 
 struct pm__scene {
     RTCDevice device;
@@ -32,6 +48,10 @@ struct pm__scene {
     pm__material *materials;
     pm__light *lights;
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
+    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones, and the others. */
+    pm__planes flat;
+    const pm__geometry *curved[PM__MOST_FEW];
+    size_t curved_count;
     size_t material_count, material_capacity, light_count, light_capacity, geometry_count, geometry_capacity;
     uint32_t shape_count;
     pm__scene **parts;
@@ -66,12 +86,11 @@ void pm__part_direction(const pm__placement *placement, const double placed[3], 
 /* Lists the objects. ENOMEM. */
 pm_status pm__scene_list_objects(pm__scene *scene, pm_error *error);
 
-/* The first corner and the unit normal of a triangle; false where its corners lie in line. */
-bool pm__triangle_plane(const float (*vertices)[3], const uint32_t triangle[3], double corner[3], double normal[3]);
+/* The plane of a triangle, through its first corner; false where its corners lie in line. */
+bool pm__triangle_plane(const float (*vertices)[3], const uint32_t triangle[3], pm__plane *plane);
 
-/* Install what Embree calls for a mesh, for an exact shape, or for a placed part, whose user data is a pm__geometry. */
+/* Install what Embree calls for a mesh, or for an exact shape or a placed part, whose user data is a pm__geometry. */
 void pm__rays_triangles(RTCGeometry embree);
 void pm__rays_shape(RTCGeometry embree);
-void pm__rays_part(RTCGeometry embree);
 
 #endif

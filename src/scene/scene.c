@@ -77,6 +77,12 @@ pm_status pm__scene_create(pm__scene **scene, pm_error *error)
     return status;
 }
 
+static void destroy_geometry(pm__geometry *geometry)
+{
+    free(geometry->planes);
+    free(geometry);
+}
+
 void pm__scene_destroy(pm__scene *scene)
 {
     if (!scene)
@@ -89,7 +95,7 @@ void pm__scene_destroy(pm__scene *scene)
     if (scene->device)
         rtcReleaseDevice(scene->device);
     for (size_t i = 0; i < scene->geometry_count; i++)
-        free(scene->geometries[i]);
+        destroy_geometry(scene->geometries[i]);
     free(scene->geometries);
     free(scene->objects);
     free(scene->materials);
@@ -208,8 +214,9 @@ static pm_status new_geometry(pm__scene *scene, uint32_t material, size_t count,
     return status;
 }
 
+/* Fills in the triangles' planes. */
 static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t vertex_count,
-                            const uint32_t (*triangles)[3], size_t triangle_count, pm_error *error)
+                            const uint32_t (*triangles)[3], size_t triangle_count, pm__plane *planes, pm_error *error)
 {
     for (size_t i = 0; i < vertex_count; i++)
         for (int axis = 0; axis < 3; axis++)
@@ -223,8 +230,7 @@ static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t v
         if (t[0] >= vertex_count || t[1] >= vertex_count || t[2] >= vertex_count)
             return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) names a vertex beyond %zu",
                             first, i, t[0], t[1], t[2], vertex_count);
-        double corner[3], normal[3];
-        if (!pm__triangle_plane(vertices, t, corner, normal))
+        if (!pm__triangle_plane(vertices, t, &planes[i]))
             return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) spans no area", first, i,
                             t[0], t[1], t[2]);
     }
@@ -247,12 +253,17 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
     if (vertex_count == 0 || triangle_count == 0)
         return pm__fail(error, PM_EINVAL, "shape %u (mesh): %zu vertices and %zu triangles", first, vertex_count,
                         triangle_count);
-    pm_status status = check_mesh(first, vertices, vertex_count, triangles, triangle_count, error);
     pm__geometry *made = NULL;
-    if (status == PM_OK)
-        status = new_geometry(scene, material, triangle_count, &made, error);
+    pm_status status = new_geometry(scene, material, triangle_count, &made, error);
     if (status != PM_OK)
         return status;
+    made->planes = pm__alloc(triangle_count, sizeof *made->planes);
+    status = made->planes ? check_mesh(first, vertices, vertex_count, triangles, triangle_count, made->planes, error)
+                          : no_memory(error);
+    if (status != PM_OK) {
+        destroy_geometry(made);
+        return status;
+    }
     const RTCGeometry embree = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float(*const v)[3] = rtcSetNewGeometryBuffer(embree, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof *v,
                                                  vertex_count);
@@ -260,7 +271,7 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
                                                     triangle_count);
     if (!v || !t) {
         rtcReleaseGeometry(embree);
-        free(made);
+        destroy_geometry(made);
         status = embree_status(scene, error);
         return status == PM_OK ? no_memory(error) : status;
     }
@@ -352,8 +363,44 @@ pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, dou
     return add_shape(scene, material, &shape, error);
 }
 
+static bool is_exact(const pm__geometry *geometry)
+{
+    return !geometry->planes && !geometry->part;
+}
+
+static void keep_flat(pm__planes *flat, const pm__geometry *geometry)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        flat->corner[axis][flat->count] = geometry->shape.centre[axis];
+        flat->normal[axis][flat->count] = geometry->shape.normal[axis];
+    }
+    flat->number[flat->count] = geometry->first;
+    flat->geometry[flat->count++] = geometry;
+}
+
+/* Takes exact shapes out of Embree, unless they are many. */
+static void keep_few(pm__scene *scene)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < scene->geometry_count; i++)
+        count += is_exact(scene->geometries[i]);
+    if (count > PM__MOST_FEW || scene->flat.count + scene->curved_count > 0)
+        return;
+    for (size_t i = 0; i < scene->geometry_count; i++) {
+        const pm__geometry *const geometry = scene->geometries[i];
+        if (!is_exact(geometry))
+            continue;
+        rtcDetachGeometry(scene->rays, (unsigned)i);
+        if (geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC)
+            keep_flat(&scene->flat, geometry);
+        else
+            scene->curved[scene->curved_count++] = geometry;
+    }
+}
+
 static pm_status build(pm__scene *scene, double rounding, pm_error *error)
 {
+    keep_few(scene);
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
     /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */

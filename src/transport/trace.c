@@ -83,10 +83,9 @@ static bool deposit(const job *work, const carrier *photon, const pm__hit *hit)
 }
 
 /* Off the surface, or false where the photon ends. */
-static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int count)
+static bool bounce(carrier *photon, const pm__hit *hit, const double u[3])
 {
-    double u[3], outgoing[3];
-    pm__trace_uniform(work->config->seed, work->config->trial, photon->number, 2 + (uint32_t)count, u);
+    double outgoing[3];
     if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
         return false;
     if (hit->material->kind == PM__GLASS)
@@ -115,7 +114,10 @@ static bool trace_photon(const job *work, uint64_t number)
         return true;
     note(work, &photon, 'L');
     for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
+        double u[3];
         pm__hit hit;
+        /* Drawn before it is known whether they serve: the processor does that while it waits for the ray. */
+        pm__trace_uniform(work->config->seed, work->config->trial, number, 2 + (uint32_t)count, u);
         if (!fly(work, &photon, &hit) || hit.material->kind == PM__BLACK)
             break;
         absorb(&photon, &hit);
@@ -123,7 +125,7 @@ static bool trace_photon(const job *work, uint64_t number)
         note(work, &photon, rough ? 'D' : 'S');
         if (rough && is_wanted(work, &photon) && !deposit(work, &photon, &hit))
             return false;
-        if (is_over(work, &photon) || !bounce(work, &photon, &hit, count))
+        if (is_over(work, &photon) || !bounce(&photon, &hit, u))
             break;
     }
     return true;
