@@ -175,7 +175,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cognac = {
     .entry = {.name = "scene:cognac",
-              .summary = "glass of cognac, a surface of revolution, on a rough floor; no exact answer",
+              .summary = "glass of cognac, a surface of revolution, on a rough floor",
               .citation = "course 43, Fig. 2.27; Jensen 1996",
               .params = params,
               .param_count = 3},

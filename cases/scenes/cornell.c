@@ -20,7 +20,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     pm_status status = pm__room_walls(scene, &room, error);
     if (!status)
         status = pm__cornell_spheres(scene, values[IOR], values[MOVED], error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 10.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.15, 10.0, error);
 }
 
 static void view(const double *values, pm__view *from)
@@ -31,7 +31,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cornell = {
     .entry = {.name = "scene:cornell",
-              .summary = "Cornell box with a mirror and a glass sphere; no exact answer",
+              .summary = "Cornell box with a mirror and a glass sphere",
               .citation = "course 43, Fig. 2.16 to 2.22",
               .params = params,
               .param_count = 3},

@@ -23,7 +23,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
         status = pm__room_block(scene, white, tall, 0.15, 0.6, turn, error);
     if (!status)
         status = pm__room_block(scene, white, low, 0.15, 0.3, -turn, error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 10.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.15, 10.0, error);
 }
 
 static void view(const double *values, pm__view *from)
@@ -34,7 +34,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cornell_diffuse = {
     .entry = {.name = "scene:cornell-diffuse",
-              .summary = "Cornell box with two blocks, all Lambertian; no exact answer",
+              .summary = "Cornell box with two blocks, all Lambertian",
               .citation = "Cohen and Greenberg 1985",
               .params = params,
               .param_count = 1},

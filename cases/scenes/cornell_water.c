@@ -90,7 +90,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     pm_status status = pm__room_walls(scene, &room, error);
     if (!status)
         status = add_water(values, scene, error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 12.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.2, 12.0, error);
 }
 
 static void view(const double *values, pm__view *from)
@@ -101,7 +101,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_cornell_water = {
     .entry = {.name = "scene:cornell-water",
-              .summary = "Cornell box half full of water with waves; no exact answer",
+              .summary = "Cornell box half full of water with waves",
               .citation = "course 43, Fig. 2.23",
               .params = params,
               .param_count = 3},

@@ -67,7 +67,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_four_lights = {
     .entry = {.name = "scene:four-lights",
-              .summary = "closed room under four square lamps of different colour and power; no exact answer",
+              .summary = "closed room under four square lamps of different colour and power",
               .citation = "course 43, Fig. 2.25",
               .params = params,
               .param_count = 1},

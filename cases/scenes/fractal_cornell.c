@@ -73,7 +73,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
         status = pm__cornell_spheres(spheres, 1.5, 0.0, error);
     if (!status)
         status = fill(scene, box, spheres, &all, (int)values[DEPTH], error);
-    return status ? status : pm__cornell_lamp(scene, 0.125, 12.0, error);
+    return status ? status : pm__cornell_lamp(scene, 0.15, 12.0, error);
 }
 
 static void view(const double *values, pm__view *from)
@@ -84,7 +84,7 @@ static void view(const double *values, pm__view *from)
 
 const pm__case pm__case_scene_fractal_cornell = {
     .entry = {.name = "scene:fractal-cornell",
-              .summary = "Cornell boxes within a Cornell box, by instances; no exact answer",
+              .summary = "Cornell boxes within a Cornell box, by instances",
               .citation = "after course 43, Fig. 2.24",
               .params = params,
               .param_count = 1},

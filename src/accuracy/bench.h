@@ -101,9 +101,8 @@ void pm__job_free(pm__job *job);
 pm_status pm__job_scene(pm__job *job, pm_error *error);
 
 /* draw.c: `count` photons of trial `trial`, drawn or traced; part > 0 for the part-th of several separately drawn maps
- * that share the power. There are pm__drawn_count of them: a sampler may round; of those traced for a sampler other than
- * of independent photons about so many. EINVAL: next to no traced photon is stored; ECANCELED. On error the set is
- * empty. */
+ * that share the power. There are pm__drawn_count of them: a sampler may round; about so many where pm__is_about.
+ * EINVAL: next to no traced photon is stored; ENOMEM, ECANCELED. On error the set is empty. */
 size_t pm__drawn_count(const pm__job *job, size_t count);
 pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, uint32_t parts, size_t count,
                            bool normals, pm__photon_set *set);

@@ -57,8 +57,8 @@ static void set_status(const pm__job *job, size_t v, pm__accuracy_row *row)
     } else if (job->variants[v].estimator->needs & PM__TRUTH) {
         (void)snprintf(row->detail, sizeof row->detail, "chosen by the truth, so no one can run it: no time");
     } else if (pm__is_about(job)) {
-        (void)snprintf(row->detail, sizeof row->detail, "about %zu photons in a map: how many are stored differs by trial",
-                       job->photons);
+        (void)snprintf(row->detail, sizeof row->detail,
+                       "about %zu photons in a map: how many are stored differs by trial", job->photons);
     }
 }
 

@@ -18,7 +18,8 @@
 #include <string.h>
 
 enum { PHOTONS = 200000, K = 100, SIDE = 256, SAMPLES = 16, AOV_TRIALS = 8 };
-static const double default_angle = 40.0 / 180.0 * 3.14159265358979323846; /* of scenes that have no view of their own */
+/* Of scenes that have no view of their own. */
+static const double default_angle = 40.0 / 180.0 * 3.14159265358979323846;
 
 /* A task and all that it points at. */
 typedef struct work {

@@ -233,13 +233,14 @@ static const char *reason(const pm__render_task *task, const pm__render_row *row
         return "the method makes no estimates";
     if ((kind == PM__BIASES || kind == PM__NOISES) && task->config.trials < 2)
         return "it takes --trials 2 at least";
-    return kind == PM__NOISES ? "it takes two complete trials" : "no truth is known of this scene";
+    return kind == PM__NOISES ? "it takes two complete trials" : "no truth is known of what it shows";
 }
 
 /* One line for each reason, with all that are missing for it. */
-static void say_missing(const pm__render_file *file, const char *const reasons[PM__IMAGE_KINDS])
+static void say_missing(const pm__spec *scene, const char *const reasons[PM__IMAGE_KINDS])
 {
-    char names[80] = "";
+    char name[PM__MAX_SPEC], names[80] = "";
+    pm__spec_format_short(scene, name, sizeof name);
     for (size_t kind = 0; kind < PM__IMAGE_KINDS; kind++) {
         size_t other = 0;
         if (!reasons[kind])
@@ -253,7 +254,7 @@ static void say_missing(const pm__render_file *file, const char *const reasons[P
             if (reasons[other] == reasons[kind])
                 (void)snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", *names ? ", " : "",
                                *kinds[other].suffix ? kinds[other].suffix + 1 : "the radiance");
-        pm__complain("render", "%s: no image of %s: %s", file->path, names, reasons[kind]);
+        pm__complain("render", "%s: no image of %s: %s", name, names, reasons[kind]);
     }
 }
 
@@ -295,8 +296,8 @@ pm_status pm__render_files_write(pm__render_files *files, const pm__render_task 
     }
     if (status == PM_OK && image_of(images, PM__RADIANCE)->values)
         row->file = file->path;
-    if (!task->settings->quiet)
-        say_missing(file, reasons);
+    if (!task->settings->quiet && index % task->estimator_count == 0) /* the same for all of the scene */
+        say_missing(row->scene, reasons);
     return status;
 }
 

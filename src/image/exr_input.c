@@ -92,17 +92,23 @@ pm_status pm__exr_load(const char *path, pm__exr_input *in, pm_error *error)
     return status;
 }
 
+/* Since the last file was opened on this thread. */
+static _Thread_local bool exhausted;
+
+/* Data that are damaged must not show what was there before. */
+static void *zeroed(size_t size)
+{
+    void *const memory = calloc(1, size ? size : 1);
+    exhausted = exhausted || !memory;
+    return memory;
+}
+
 pm_status pm__exr_library_error(const pm__exr_input *in, exr_result_t code, pm_error *error)
 {
-    if (code == EXR_ERR_OUT_OF_MEMORY)
+    if (exhausted) /* the code says so for some damaged files too */
         return pm__fail(error, PM_ENOMEM, "%s: no memory to read it", in->name);
     return pm__fail(error, PM_EFORMAT, "%s: expected a whole OpenEXR file: %s", in->name,
                     pm__exr_reason(&in->message, code));
-}
-
-static void *zeroed(size_t size)
-{
-    return calloc(1, size);
 }
 
 void pm__exr_close(exr_context_t *context)
@@ -121,7 +127,8 @@ pm_status pm__exr_open(pm__exr_input *in, exr_context_t *context, pm_error *erro
     settings.error_handler_fn = pm__exr_keep_message;
     pm__exr_listen(&in->message);
     settings.user_data = in;
-    settings.alloc_fn = zeroed; /* data that are damaged must not show what was there before */
+    exhausted = false;
+    settings.alloc_fn = zeroed;
     settings.free_fn = free;
     settings.read_fn = copy_bytes;
     settings.size_fn = tell_size;

@@ -13,11 +13,11 @@ typedef struct pm__exr_input {
     size_t size;
 } pm__exr_input;
 
-/* The whole file; a pipe will do. EIO, ENOMEM, EFORMAT where it does not begin as an image of scanlines in one part does
- * (soon: it may have no end). Free in->bytes. */
+/* The whole file; a pipe will do. EIO, ENOMEM, EFORMAT where it does not begin as an image of scanlines in one part
+ * does (soon: it may have no end). Free in->bytes. */
 pm_status pm__exr_load(const char *path, pm__exr_input *in, pm_error *error);
 
-/* Reads the header: the context refers to *in. EFORMAT, ENOMEM; *context is then NULL. At most one is open on a thread. */
+/* Reads the header: the context refers to *in. EFORMAT, ENOMEM; *context is then NULL. One may be open on a thread. */
 pm_status pm__exr_open(pm__exr_input *in, exr_context_t *context, pm_error *error);
 void pm__exr_close(exr_context_t *context); /* NULL is allowed */
 

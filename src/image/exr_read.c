@@ -1,5 +1,5 @@
-/* Images from OpenEXR files. A file is not trusted: what its header claims is checked against its size before anything is
- * allocated by it. */
+/* Images from OpenEXR files. A file is not trusted: what its header claims is checked against its size before anything
+ * is allocated by it. */
 #include "exr_input.h"
 #include "image.h"
 
@@ -81,12 +81,13 @@ static pm_status examine_channels(const pm__exr_input *in, exr_const_context_t c
                         in->name, quoted);
     }
     if (pixel * (double)l->width * (double)l->height > MOST_PACKING * (double)in->size)
-        return pm__fail(error, PM_EFORMAT, "%s: expected data for %zu x %zu pixels, found a file of %zu bytes", in->name,
-                        l->width, l->height, in->size);
+        return pm__fail(error, PM_EFORMAT, "%s: expected data for %zu x %zu pixels, found a file of %zu bytes",
+                        in->name, l->width, l->height, in->size);
     uint64_t chunk = 0;
     if (exr_get_chunk_unpacked_size(context, 0, &chunk) != EXR_ERR_SUCCESS || chunk > MOST_CHUNK)
-        return pm__fail(error, PM_EFORMAT, "%s: expected at most %d bytes of pixels compressed together, found %" PRIu64,
-                        in->name, MOST_CHUNK, chunk);
+        return pm__fail(error, PM_EFORMAT,
+                        "%s: expected at most %d bytes of pixels compressed together, found %" PRIu64, in->name,
+                        MOST_CHUNK, chunk);
     return find_channels(in, list, l, error);
 }
 
@@ -254,8 +255,8 @@ pm_status pm__exr_read(const char *path, pm__image *image, pm_error *error)
 
 /* ---- Attributes --------------------------------------------------------------------------------- */
 
-static pm_status spell_attribute(const pm__exr_input *in, exr_const_context_t context, const char *name, char *text, size_t size,
-                                 pm_error *error)
+static pm_status spell_attribute(const pm__exr_input *in, exr_const_context_t context, const char *name, char *text,
+                                 size_t size, pm_error *error)
 {
     const exr_attribute_t *found = NULL;
     const bool there = exr_get_attribute_by_name(context, 0, name, &found) == EXR_ERR_SUCCESS;

@@ -61,8 +61,9 @@ static pm_status add_attribute(exr_context_t context, const pm__attribute *attri
         return pm__fail(error, PM_ENOMEM, "no memory for an image's attributes");
     char quoted[PM__QUOTE_SIZE];
     pm__quote(attribute->name, strlen(attribute->name), quoted);
-    return pm__fail(error, PM_EINVAL, "an image's header takes no attribute \"%s\": the name must have 1 to 31 bytes and "
-                    "not be taken", quoted);
+    return pm__fail(error, PM_EINVAL,
+                    "an image's header takes no attribute \"%s\": a name must have 1 to 31 bytes and not be taken",
+                    quoted);
 }
 
 /* The header, but for the attributes that the caller adds: windows from (0, 0), square pixels, rows from the top. */
@@ -121,8 +122,8 @@ static exr_result_t encode(exr_context_t context, const pm__image *image)
 
 static pm_status library_error(const output *out, exr_result_t code, pm_error *error)
 {
-    return pm__fail(error, code == EXR_ERR_OUT_OF_MEMORY ? PM_ENOMEM : PM_EINVAL, "the image cannot be put in a file: %s",
-                    pm__exr_reason(&out->message, code));
+    return pm__fail(error, code == EXR_ERR_OUT_OF_MEMORY ? PM_ENOMEM : PM_EINVAL,
+                    "the image cannot be put in a file: %s", pm__exr_reason(&out->message, code));
 }
 
 static pm_status compose(output *out, const pm__image *image, bool half, const pm__attribute *attributes, size_t count,

@@ -8,8 +8,8 @@ pm_status pm__image_create(size_t width, size_t height, int channels, pm__image 
 {
     *image = (pm__image){0};
     if (width == 0 || height == 0 || (channels != 1 && channels != 3))
-        return pm__fail(error, PM_EINVAL, "an image needs pixels of 1 or 3 channels, not %zu x %zu of %d", width, height,
-                        channels);
+        return pm__fail(error, PM_EINVAL, "an image needs pixels of 1 or 3 channels, not %zu x %zu of %d", width,
+                        height, channels);
     if (width > PM__LONGEST_SIDE || height > PM__LONGEST_SIDE || width * height > PM__MOST_PIXELS)
         return pm__fail(error, PM_EINVAL, "an image has at most %d pixels a side and %d in all, not %zu x %zu",
                         PM__LONGEST_SIDE, PM__MOST_PIXELS, width, height);

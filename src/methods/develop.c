@@ -32,7 +32,7 @@ static void find_scale(comparison *c)
         for (int b = 0; b < 3; b++) {
             const double value = c->truth ? c->truth[p][b] : block_mean(c, c->film->first, p, b);
             sum += isfinite(value) ? fabs(value) : 0.0;
-            known += isfinite(value);
+            known += isfinite(value) ? 1 : 0;
         }
     c->scale = sum > 0.0 ? (double)known / sum : 0.0;
 }

@@ -184,7 +184,7 @@ static void run_tile(void *argument, size_t index)
     pm__sample *const samples = pm__alloc_zero(count * job->images, sizeof *samples);
     pm_status status = samples ? PM_OK : PM_ENOMEM;
     if (status == PM_OK)
-        status = method_of(job)->sample(job, work->state, &tile, samples, job->truth ? truth : NULL);
+        status = method_of(job)->sample(job, work->state, &tile, samples, job->truth && !work->trial ? truth : NULL);
     if (status == PM_OK)
         pm__film_add(work->film, index, samples, (const double(*)[3])truth);
     else

@@ -42,8 +42,8 @@ void pm__emission_free(pm__emission *emission);
 /* false: no light reaches where photons are sent. */
 bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *departure);
 
-/* As pm__trace, but straight on through whatever is met: stores at rough surfaces, with power 0 behind the first surface
- * of any kind. config->paths is not looked at; config->emission must be there. */
+/* As pm__trace, but straight on through whatever is met: stores at rough surfaces, with power 0 behind the first
+ * surface of any kind. config->paths is not looked at; config->emission must be there. */
 void pm__trace_straight(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context);
 
 /* Three uniform numbers of 42 bits from one block: each step of a path takes a block of its own, so what a photon meets

@@ -21,7 +21,8 @@ typedef struct record {
 typedef struct block {
     record *records;
     size_t count, capacity;
-    double scale; /* 1 / unit */
+    size_t enough; /* photons: what a path stores beyond is not looked at */
+    double scale;  /* 1 / unit */
     pm_status status;
 } block;
 
@@ -32,18 +33,21 @@ typedef struct gathering {
     block *blocks;
     uint64_t next, end; /* path numbers of the round */
     pm__harvest *harvest;
+    size_t lacking;     /* stored photons, when the round began */
     size_t capacity[3]; /* of photons, normals, marks */
 } gathering;
 
 static bool keep(void *context, uint64_t number, const pm__stored *stored)
 {
     block *const b = context;
+    const bool first = b->count == 0 || b->records[b->count - 1].number != number;
+    if (first && b->count >= b->enough)
+        return false;
     if (pm__grow((void **)&b->records, &b->capacity, b->count + 1, sizeof *b->records)) {
         b->status = PM_ENOMEM;
         return false;
     }
     record *const to = &b->records[b->count];
-    const bool first = b->count == 0 || b->records[b->count - 1].number != number;
     const bool dark = !(stored->power[0] > 0.0 || stored->power[1] > 0.0 || stored->power[2] > 0.0);
     to->number = number;
     to->mark = (unsigned char)((first ? PM__FIRST_OF_PATH : 0) | (dark ? PM__NO_POWER : 0));
@@ -63,6 +67,7 @@ static void trace_block(void *argument, size_t index)
     block *const b = &g->blocks[index];
     const uint64_t first = g->next + (uint64_t)index * BLOCK, left = g->end - first;
     b->count = 0;
+    b->enough = g->lacking;
     b->scale = 1.0 / g->harvest->unit;
     b->status = PM_OK;
     if (g->config->canceled && g->config->canceled(g->config->context))
@@ -107,6 +112,7 @@ static pm_status run_round(gathering *g, uint64_t first, size_t wanted)
     const uint64_t paths = g->end - g->next;
     const size_t blocks = (size_t)((paths + BLOCK - 1) / BLOCK);
     pm_status status = PM_OK;
+    g->lacking = wanted - g->harvest->count;
     pm__for(g->config->parallel, blocks, trace_block, g);
     for (size_t i = 0; i < blocks && status == PM_OK; i++) {
         status = g->blocks[i].status;
@@ -165,8 +171,10 @@ pm_status pm__harvest_paths(const pm__shoot_config *config, pm__tracer tracer, c
     free(g.blocks);
     if (status == PM_OK)
         return PM_OK;
-    (void)pm__fail(error, status, status == PM_ENOMEM ? "out of memory for %zu stored photons" : "canceled at photon %zu",
-                   harvest->count);
+    if (status == PM_ENOMEM)
+        (void)pm__fail(error, status, "out of memory behind %zu stored photons", harvest->count);
+    else
+        (void)pm__fail(error, status, "canceled behind %zu stored photons", harvest->count);
     pm__harvest_free(harvest);
     return status;
 }

@@ -26,7 +26,7 @@ static const uint32_t grids[][DIMENSIONS] = {[PM__POINT] = {128, 64, 1, 1},
 
 typedef struct light_map {
     const uint32_t *grid;
-    uint32_t *before; /* before[i]: cells that are on among the first i, the last dimension fastest; cells + 1 of them */
+    uint32_t *before; /* [i]: cells that are on among the first i, the last dimension fastest; cells + 1 of them */
     uint32_t cells;
 } light_map;
 

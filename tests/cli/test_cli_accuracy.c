@@ -107,7 +107,8 @@ static json_t *untimed_rows(const char *arguments)
 
 START_TEST(threads_do_not_matter)
 {
-#define RUN "accuracy --case square,corner --sampler poisson,stratified --trials 5 --probes 32 --photons 600 --k 12,30 "
+#define RUN "accuracy --case square,corner,scene:water --sampler poisson,stratified,sobol --trials 5 --probes 32 " \
+            "--photons 600 --k 12,30 "
     json_t *const one = untimed_rows(RUN "--json - --threads 1");
     json_t *const two = untimed_rows(RUN "--json - --threads 2");
     json_t *const other = untimed_rows(RUN "--json - --threads 2 --seed 2");

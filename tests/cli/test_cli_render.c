@@ -151,7 +151,8 @@ START_TEST(rows_have_the_contract)
     const pm__test_directory place = pm__test_directory_create();
     json_error_t error;
     const pm__run *const run =
-        run_at(&place, "a.exr", "render scene:water --estimator disc,cone:k=2" SMALL "--seed 7 --json - -o %s", 0, NULL);
+        run_at(&place, "a.exr", "render scene:water --estimator disc,cone:k=2" SMALL "--seed 7 --json - -o %s", 0,
+               NULL);
     json_t *const root = json_loads(run->out, 0, &error);
     ck_assert_ptr_nonnull(root);
     pm__check_keys(root, "schema command version options seed machine wall_s rows");
@@ -181,7 +182,8 @@ START_TEST(a_radius_alone_takes_all_photons)
 {
     const pm__test_directory place = pm__test_directory_create();
     const pm__run *const run = run_at(
-        &place, "a.exr", "render water --size 4x4 --spp 1 --photons 2000 --radius 0.125 --quiet --csv - -o %s", 0, NULL);
+        &place, "a.exr", "render water --size 4x4 --spp 1 --photons 2000 --radius 0.125 --quiet --csv - -o %s", 0,
+        NULL);
     ck_assert_ptr_nonnull(strstr(run->out, ",disc:last=full,,0.125,2000,"));
     pm__test_directory_remove(&place);
 }
@@ -196,8 +198,8 @@ START_TEST(names_of_files)
     ck_assert(is_there(&place, "plain") && is_there(&place, "plain.count.exr"));
     ck_assert(!is_there(&place, "plain.exr"));
     (void)pm__test_directory_entries(&place, 1);
-    (void)run_at(&place, "n.exr", "render plate:ior=1.25,thickness=0.1,water --estimator disc,cone:k=2" SMALL "-o %s", 0,
-                 NULL);
+    (void)run_at(&place, "n.exr", "render plate:ior=1.25,thickness=0.1,water --estimator disc,cone:k=2" SMALL "-o %s",
+                 0, NULL);
     ck_assert(is_there(&place, "n.plate-ior=1.25-thickness=0.1.disc.exr"));
     ck_assert(is_there(&place, "n.plate-ior=1.25-thickness=0.1.cone-k=2.exr"));
     ck_assert(is_there(&place, "n.water.disc.exr") && is_there(&place, "n.water.cone-k=2.exr"));
@@ -421,8 +423,8 @@ START_TEST(interrupted)
 }
 END_TEST
 
-/* Before anything is begun a signal ends the program, here while it waits for a reader of its rows: the file that was to
- * be replaced stays, and nothing lies beside it. */
+/* Before anything is begun a signal ends the program, here while it waits for a reader of its rows: the file that was
+ * to be replaced stays, and nothing lies beside it. */
 START_TEST(ended_before_it_began)
 {
     const pm__test_directory place = pm__test_directory_create(), streams = pm__test_directory_create();

@@ -229,8 +229,8 @@ START_TEST(test_prism_mass)
     const pm__probe mixed = {.position = {2.13, 0, 0}, .normal = {0, 0, 1}};
     ck_assert(isnan(c->mass(close, &mixed, &front, 0, .01)));
     ck_assert(c->mass(alike, &mixed, &front, 0, .01) > 0);
-    PM_CHECK_NEAR(c->power(split), (e * .0767292024 + 1.1566349886598 * .0753380643 + 1.1659828176386 * .0738819892) * .2,
-                  1e-10);
+    const double widths = e * .0767292024 + 1.1566349886598 * .0753380643 + 1.1659828176386 * .0738819892;
+    PM_CHECK_NEAR(c->power(split), .2 * widths, 1e-10);
     PM_CHECK_NEAR(c->power(alike), 1.1566349886598 * .0753380643 * .2, 1e-9);
 }
 END_TEST
@@ -333,7 +333,8 @@ static void check_view(const pm__case *c, const double *values, bool at_home)
         }
     pm__scene_destroy(scene);
     const bool dark = strcmp(c->entry.name, "scene:wall") == 0; /* seen from its dark side */
-    ck_assert_msg(seen.rough > SIZE * SIZE / (at_home ? 4 : 20), "%s: %d of %d", c->entry.name, seen.rough, SIZE * SIZE);
+    ck_assert_msg(seen.rough > SIZE * SIZE / (at_home ? 4 : 20), "%s: %d of %d", c->entry.name, seen.rough,
+                  SIZE * SIZE);
     ck_assert_msg(dark ? seen.lit == 0 : seen.lit > SIZE * SIZE / (at_home ? 20 : 1000), "%s: %d of %d lit",
                   c->entry.name, seen.lit, SIZE * SIZE);
 }

@@ -233,7 +233,7 @@ static double disc_of_truth(const pm__case *c, const double *values, const pm__p
     return sum * pi * (r1 * r1 - r0 * r0) / (RINGS * ANGLES);
 }
 
-/* Scenes of one even plane, whose truth is irradiance: not spheres, nor where another surface is near, nor radiance, nor
+/* Scenes of one plane, whose truth is irradiance: not spheres, nor where another surface is near, nor radiance, nor
  * steps as near as 0.03 m. */
 static bool is_plain(const pm__case *c)
 {

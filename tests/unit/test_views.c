@@ -288,7 +288,7 @@ START_TEST(media_follow_one_another)
 }
 END_TEST
 
-/* Clear of the floor. From the axis outward: the bowl's inside, its outside, and between them glass as thick as a glass is. */
+/* Clear of the floor; and from the axis outward the bowl's inside, then its outside, as far off as glass is thick. */
 START_TEST(glass_has_a_wall)
 {
     pm__scene *const scene = scene_named("scene:cognac");
