@@ -17,7 +17,8 @@ START_TEST(test_plain_scene)
     PM_CHECK_OK(pm__scene_part(scene, &part, &error), error);
     PM_CHECK_OK(pm__scene_material(part, &black, &material, &error), error);
     PM_CHECK_OK(add(part, &ball, &error), error);
-    PM_CHECK_OK(pm__scene_rectangle(part, 0, (double[3]){0}, (double[3]){1, 0, 0}, (double[3]){0, 2, 0}, &error), error);
+    const double origin[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 2, 0};
+    PM_CHECK_OK(pm__scene_rectangle(part, 0, origin, u, v, &error), error);
     PM_CHECK_OK(pm__scene_place(scene, part, &placement, &error), error);
     PM_CHECK_OK(add(scene, &ball, &error), error);
     PM_CHECK_OK(add(scene, &tube, &error), error);
