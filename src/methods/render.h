@@ -34,8 +34,8 @@ typedef struct pm__render_config {
     void *context;
 } pm__render_config;
 
-/* The images of one estimator. Those that do not exist are empty: truth, error and bias where nothing is known, bias and
- * noise with one trial. */
+/* The images of one estimator. Those that do not exist are empty: truth, error and bias where nothing is known, bias
+ * and noise with one trial. */
 typedef struct pm__render_images {
     pm__image radiance;    /* W/(m2 sr), of the first trial */
     pm__image truth;
@@ -63,8 +63,8 @@ extern const pm__catalogue pm__methods;
 /* What the render will do and why, before anything is traced. EINVAL, ENOMEM as pm__render. */
 pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_error *error);
 
-/* EINVAL: what is asked for cannot be (error says why). ENOMEM. Canceled: PM_OK with `interrupted`; images hold what was
- * done. Free the result by pm__render_free in any case. */
+/* EINVAL: what is asked for cannot be (error says why). ENOMEM. Canceled: PM_OK with `interrupted`; images hold what
+ * was done. Free the result by pm__render_free in any case. */
 pm_status pm__render(const pm__render_config *config, pm__render_result *result, pm_error *error);
 void pm__render_free(pm__render_result *result);
 
