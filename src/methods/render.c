@@ -332,7 +332,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
     if (status != PM_OK)
         return status;
     pm_error why = {""};
-    status = pm__film_create(&job, config->aov && config->trials > 1, &film, &why);
+    status = pm__film_create(&job, method_of(&job)->prepare, &film, &why);
     if (status == PM_OK) {
         status = run_trials(&job, &film, result, &why);
         if (status == PM_OK)

@@ -35,13 +35,14 @@ typedef struct pm__render_config {
 } pm__render_config;
 
 /* The images of one estimator. Those that do not exist are empty: truth, error and bias where nothing is known, bias
- * and noise with one trial. */
+ * and noise with one trial, radius and count without estimates. */
 typedef struct pm__render_images {
     pm__image radiance;    /* W/(m2 sr), of the first trial */
     pm__image truth;
     pm__image error;       /* (radiance - truth) / mean truth of the image, signed; 0 where truth is not known */
     pm__image bias, noise; /* over trials: mean - truth, standard deviation, over the mean truth (noise without a truth:
-                              over the mean radiance) */
+                              over the mean radiance). Of one trial of a method without maps noise is the standard error
+                              of the image itself */
     pm__image radius, count; /* of the estimates: m, photons found; 0 where none was made */
     double mean_error, rms_error; /* of the error, over all pixels whose truth is known; NAN where none is */
 } pm__render_images;
