@@ -145,6 +145,9 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(PM_EXTRA) $(DEPENDENCIES) -c $< -o $@
 
+# The stored references are within this object.
+$(BUILD)/obj/src/image/reference.o: $(wildcard cases/scenes/references/*.exr)
+
 $(BUILD)/obj/bench/peers/list.o: PM_EXTRA += $(PEER_DEFINES)
 $(BUILD)/obj/bench/peers/list.o: $(BUILD)/obj/bench/peers/.found
 
@@ -177,14 +180,14 @@ $(BUILD)/program.a: $(PROGRAM_OBJECTS)
 
 $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -ljansson -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -lOpenEXRCore -ljansson -lm -o $@
 
 # Tests see the program's parts as well as the library's, so they link the static archives.
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $< \
-	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 \
+	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore \
 	    `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)

@@ -80,6 +80,9 @@ typedef struct pm__case {
     /* Cases of radiance: 1/sr, for light that travels along `incoming` and leaves along `outgoing`; NULL: irradiance is
      * asked for. */
     void (*brdf)(const double *values, const double incoming[3], const double outgoing[3], double value[3]);
+    /* Theory of cases of radiance: the direction in which all light travels that comes to a probe, unit. NULL: it comes
+     * from several, and there are no predictions. */
+    void (*incoming)(const double *values, const pm__probe *probe, double direction[3]);
 } pm__case;
 
 static inline bool pm__is_traced(const pm__case *subject)

@@ -9,7 +9,7 @@
  *     ellipsoid:  the same in S z, so its area over S;
  *     disc:       |dy| <= sqrt(r^2 - x^2) and z <= H, a strip.
  * The wall's photons travel across the floor's normal, so a front-side filter rejects them. */
-#include "planar.h"
+#include "shared.h"
 
 enum { FLOOR, WALL };
 
@@ -19,7 +19,7 @@ static const pm__param params[] = {
      .help = "irradiance of the wall"},
 };
 
-static const pm__region regions[] = {
+const pm__region pm__corner_regions[PM__CORNER_REGIONS] = {
     {"all", "the floor, at least 0.15 m from its sides but for the wall", false, false},
     {"near", "within 0.05 m of the wall", false, false},
     {"far", "at least 0.15 m from the wall and every side", true, true},
@@ -53,7 +53,7 @@ static void photon(const double *values, const double *u, double position[3], do
     }
 }
 
-static void probe(const double *values, size_t region, const double *u, pm__probe *point)
+void pm__corner_probe(const double *values, size_t region, const double *u, pm__probe *point)
 {
     (void)values;
     pm__probe_rectangle(&probed[region], u, point);
@@ -64,8 +64,7 @@ static double truth(const double *values, const pm__probe *point)
     return point->normal[2] > 0.5 ? values[FLOOR] : values[WALL];
 }
 
-/* Area of the wall within r of the probe. */
-static double wall_area(const pm__probe *point, const pm__shape *shape, double r)
+double pm__corner_wall_area(const pm__probe *point, const pm__shape *shape, double r)
 {
     const double x = point->position[0], y = point->position[1];
     const double reach2 = (r - x) * (r + x);
@@ -84,7 +83,8 @@ static double mass(const double *values, const pm__probe *point, const pm__shape
     const double floor_part = values[FLOOR] * pm__shell_area(&pm__unit_square, point, r0, r1);
     if (shape->front_only)
         return floor_part;
-    return floor_part + values[WALL] * (wall_area(point, shape, r1) - wall_area(point, shape, r0));
+    return floor_part +
+           values[WALL] * (pm__corner_wall_area(point, shape, r1) - pm__corner_wall_area(point, shape, r0));
 }
 
 const pm__case pm__case_corner = {
@@ -97,12 +97,12 @@ const pm__case pm__case_corner = {
     .dimensions = 2,
     .sample_dimensions = 2,
     .strata_dimensions = 2,
-    .regions = regions,
-    .region_count = sizeof regions / sizeof *regions,
+    .regions = pm__corner_regions,
+    .region_count = PM__CORNER_REGIONS,
     .aspect = aspect,
     .power = power,
     .photon = photon,
-    .probe = probe,
+    .probe = pm__corner_probe,
     .truth = truth,
     .mass = mass,
 };

@@ -7,20 +7,20 @@
  * radius squared is v: cells stay near square. v is held below 1 - 1e-9, that is rho below 1e9 h, which keeps positions
  * finite in single precision and touches one photon in 1e9.
  * Theory. Quadrature; in the foot a disc holds P v / 2. */
-#include "planar.h"
+#include "shared.h"
 
 static const double pi = 3.14159265358979323846;
 
 enum { POWER, HEIGHT };
 
-static const pm__param params[] = {
+const pm__param pm__point_light_params[PM__POINT_LIGHT_PARAMS] = {
     {.name = "power", .type = PM__REAL, .value = 1.0, .min = 1e-6, .max = 1e6, .unit = "W",
      .help = "of the light in all directions"},
     {.name = "height", .type = PM__REAL, .value = 1.0, .min = 1e-3, .max = 1e3, .unit = "m",
      .help = "of the light over the plane"},
 };
 
-static const pm__region regions[] = {
+const pm__region pm__point_light_regions[PM__POINT_LIGHT_REGIONS] = {
     {"all", "within 2 heights of the foot", false, false},
     {"foot", "within 0.25 heights of the foot", false, false},
     {"far", "1.5 to 2 heights from the foot", false, false},
@@ -30,7 +30,7 @@ static const double probed[][2] = {{0.0, 2.0}, {0.0, 0.25}, {1.5, 2.0}}; /* radi
 
 static const pm__rectangle plane = {-INFINITY, INFINITY, -INFINITY, INFINITY};
 
-static double irradiance(const double *values, double x, double y)
+double pm__point_light_irradiance(const double *values, double x, double y)
 {
     const double h = values[HEIGHT], d2 = h * h + x * x + y * y;
     return values[POWER] * h / (4.0 * pi * d2 * sqrt(d2));
@@ -55,7 +55,7 @@ static void photon(const double *values, const double *u, double position[3], do
     pm__normalize(direction);
 }
 
-static void probe(const double *values, size_t region, const double *u, pm__probe *point)
+void pm__point_light_probe(const double *values, size_t region, const double *u, pm__probe *point)
 {
     const double h = values[HEIGHT];
     pm__probe_ring(0.0, 0.0, probed[region][0] * h, probed[region][1] * h, u, point);
@@ -63,30 +63,32 @@ static void probe(const double *values, size_t region, const double *u, pm__prob
 
 static double truth(const double *values, const pm__probe *point)
 {
-    return irradiance(values, point->position[0], point->position[1]);
+    return pm__point_light_irradiance(values, point->position[0], point->position[1]);
 }
 
 static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
 {
-    return pm__accepts_down(point, shape) ? pm__mass_rectangle(irradiance, values, &plane, point, r0, r1) : 0.0;
+    if (!pm__accepts_down(point, shape))
+        return 0.0;
+    return pm__mass_rectangle(pm__point_light_irradiance, values, &plane, point, r0, r1);
 }
 
 const pm__case pm__case_point_light = {
     .entry = {.name = "point-light",
               .summary = "isotropic point light over an infinite plane",
               .citation = "Lambert 1760",
-              .params = params,
-              .param_count = 2},
+              .params = pm__point_light_params,
+              .param_count = PM__POINT_LIGHT_PARAMS},
     .paths = "LD",
     .dimensions = 2,
     .sample_dimensions = 2,
     .strata_dimensions = 2,
-    .regions = regions,
-    .region_count = sizeof regions / sizeof *regions,
+    .regions = pm__point_light_regions,
+    .region_count = PM__POINT_LIGHT_REGIONS,
     .aspect = pm__aspect_square,
     .power = power,
     .photon = photon,
-    .probe = probe,
+    .probe = pm__point_light_probe,
     .truth = truth,
     .mass = mass,
 };

@@ -17,11 +17,11 @@
  * Directions come from a point of the light uniform in u2, u3: not weighted by what that point contributes, which an
  * irradiance does not depend on.
  * Theory. Quadrature of E. */
-#include "planar.h"
+#include "shared.h"
 
 enum { RADIANCE, WIDTH, DEPTH, HEIGHT };
 
-static const pm__param params[] = {
+const pm__param pm__rect_light_params[PM__RECT_LIGHT_PARAMS] = {
     {.name = "radiance", .type = PM__REAL, .value = 1.0, .min = 1e-6, .max = 1e6, .unit = "W/(m2 sr)",
      .help = "of the light"},
     {.name = "width", .type = PM__REAL, .value = 1.0, .min = 0.1, .max = 100.0, .unit = "m", .help = "along x"},
@@ -31,7 +31,7 @@ static const pm__param params[] = {
 
 enum { ALL, BELOW, BESIDE };
 
-static const pm__region regions[] = {
+const pm__region pm__rect_light_regions[PM__RECT_LIGHT_REGIONS] = {
     {"all", "up to 0.9 heights beyond the outline of the light", false, false},
     {"below", "under the middle half of the light", false, false},
     {"beside", "0.4 to 0.9 heights beyond the outline, along x", false, false},
@@ -45,6 +45,13 @@ static layout measure(const double *values)
 {
     const double a = 0.5 * values[WIDTH], b = 0.5 * values[DEPTH], h = values[HEIGHT];
     return (layout){a, b, h, a + 1.5 * h, b + 1.5 * h};
+}
+
+void pm__rect_light_floor(const double *values, double half[2])
+{
+    const layout l = measure(values);
+    half[0] = l.s;
+    half[1] = l.t;
 }
 
 /* G, H and J share their square roots and arc tangents. */
@@ -126,7 +133,7 @@ static void aspect(const double *values, double ratio[2])
     ratio[0] = ratio[1] = l.s / l.t;
 }
 
-static double power(const double *values)
+double pm__rect_light_power(const double *values)
 {
     const layout l = measure(values);
     double slope;
@@ -177,7 +184,7 @@ static void photon(const double *values, const double *u, double position[3], do
     pm__normalize(direction);
 }
 
-static void probe(const double *values, size_t region, const double *u, pm__probe *point)
+void pm__rect_light_probe(const double *values, size_t region, const double *u, pm__probe *point)
 {
     const layout l = measure(values);
     const double far = 0.9 * l.h;
@@ -189,12 +196,12 @@ static void probe(const double *values, size_t region, const double *u, pm__prob
     pm__probe_rectangle(&area, u, point);
 }
 
-static double truth(const double *values, const pm__probe *point)
+double pm__rect_light_truth(const double *values, const pm__probe *point)
 {
     return irradiance(values, point->position[0], point->position[1]);
 }
 
-static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+double pm__rect_light_mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
 {
     const layout l = measure(values);
     const pm__rectangle floor_area = {-l.s, l.s, -l.t, l.t};
@@ -205,18 +212,18 @@ const pm__case pm__case_rect_light = {
     .entry = {.name = "rect-light",
               .summary = "Lambertian rectangular light over a floor",
               .citation = "Lambert 1760",
-              .params = params,
-              .param_count = 4},
+              .params = pm__rect_light_params,
+              .param_count = PM__RECT_LIGHT_PARAMS},
     .paths = "LD",
     .dimensions = 2,
     .sample_dimensions = 4,
     .strata_dimensions = 2,
-    .regions = regions,
-    .region_count = sizeof regions / sizeof *regions,
+    .regions = pm__rect_light_regions,
+    .region_count = PM__RECT_LIGHT_REGIONS,
     .aspect = aspect,
-    .power = power,
+    .power = pm__rect_light_power,
     .photon = photon,
-    .probe = probe,
-    .truth = truth,
-    .mass = mass,
+    .probe = pm__rect_light_probe,
+    .truth = pm__rect_light_truth,
+    .mass = pm__rect_light_mass,
 };

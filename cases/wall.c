@@ -8,11 +8,11 @@
  *     ellipsoid:  the height counts S times: sqrt(r^2 - S^2 t^2);
  *     disc:       the disc of radius r where H >= t, else nothing;
  * and nothing at all with a front-side filter. */
-#include "planar.h"
+#include "shared.h"
 
 enum { IRRADIANCE, THICKNESS };
 
-static const pm__param params[] = {
+const pm__param pm__wall_params[PM__WALL_PARAMS] = {
     PM__PARAM_IRRADIANCE,
     {.name = "thickness", .type = PM__REAL, .value = 0.001, .min = 1e-6, .max = 0.1, .unit = "m",
      .help = "of the wall"},
@@ -20,13 +20,13 @@ static const pm__param params[] = {
 
 enum { ALL, LIT, DARK };
 
-static const pm__region regions[] = {
+const pm__region pm__wall_regions[PM__WALL_REGIONS] = {
     {"all", "both sides, at least 0.15 m from the edges", false, false},
     {"lit", "the lit side of it", true, true},
     {"dark", "the dark side of it", false, false},
 };
 
-static double power(const double *values)
+double pm__wall_power(const double *values)
 {
     return values[IRRADIANCE];
 }
@@ -37,7 +37,7 @@ static void photon(const double *values, const double *u, double position[3], do
     pm__photon_down(u[0], u[1], position, direction, normal);
 }
 
-static void probe(const double *values, size_t region, const double *u, pm__probe *point)
+void pm__wall_probe(const double *values, size_t region, const double *u, pm__probe *point)
 {
     pm__probe_rectangle(&pm__inset_square, u, point);
     if (region == DARK || (region == ALL && u[2] >= 0.5)) {
@@ -46,7 +46,7 @@ static void probe(const double *values, size_t region, const double *u, pm__prob
     }
 }
 
-static double truth(const double *values, const pm__probe *point)
+double pm__wall_truth(const double *values, const pm__probe *point)
 {
     return point->normal[2] > 0.0 ? values[IRRADIANCE] : 0.0;
 }
@@ -61,7 +61,7 @@ static double face_radius(const pm__probe *point, const pm__shape *shape, double
     return sqrt(fmax(0.0, (r - counted) * (r + counted)));
 }
 
-static double mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
+double pm__wall_mass(const double *values, const pm__probe *point, const pm__shape *shape, double r0, double r1)
 {
     if (!pm__accepts_down(point, shape))
         return 0.0;
@@ -70,7 +70,7 @@ static double mass(const double *values, const pm__probe *point, const pm__shape
 }
 
 /* Filtered lookups on the dark side accept nothing and would walk the whole map. */
-static double reach(const double *values)
+double pm__wall_reach(const double *values)
 {
     (void)values;
     return 0.2;
@@ -80,19 +80,19 @@ const pm__case pm__case_wall = {
     .entry = {.name = "wall",
               .summary = "thin wall lit on one side",
               .citation = "course 43, 2.1.3",
-              .params = params,
-              .param_count = 2},
+              .params = pm__wall_params,
+              .param_count = PM__WALL_PARAMS},
     .paths = "LD",
     .dimensions = 2,
     .sample_dimensions = 2,
     .strata_dimensions = 2,
-    .regions = regions,
-    .region_count = sizeof regions / sizeof *regions,
+    .regions = pm__wall_regions,
+    .region_count = PM__WALL_REGIONS,
     .aspect = pm__aspect_square,
-    .power = power,
+    .power = pm__wall_power,
     .photon = photon,
-    .probe = probe,
-    .truth = truth,
-    .mass = mass,
-    .reach = reach,
+    .probe = pm__wall_probe,
+    .truth = pm__wall_truth,
+    .mass = pm__wall_mass,
+    .reach = pm__wall_reach,
 };

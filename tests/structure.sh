@@ -51,6 +51,18 @@ for dir in src/search estimators cases cases/scenes; do
     done
 done
 
+# Stored references: a pair of files for each row, a row for each pair.
+references=cases/scenes/references
+for row in $(sed -n 's/^ *X(\([a-z_0-9]*\)).*/\1/p' src/image/references.h); do
+    [ -f "$references/$row.exr" ] && [ -f "$references/$row.error.exr" ] ||
+        fail "src/image/references.h: no pair of files for $row in $references"
+done
+for file in "$references"/*.exr; do
+    [ -f "$file" ] || continue
+    row=$(basename "${file%.exr}" .error)
+    grep -q "^ *X($row)" src/image/references.h || fail "$file has no row in src/image/references.h"
+done
+
 # The library prints nothing, exits nowhere, starts no threads.
 if grep -nE '\b(printf|puts|putchar|perror|exit|abort|pthread_create)\(|\bstd(out|err)\b|#pragma omp' \
     src/base/*.c src/map/*.c src/search/*.c src/lookup/*.c estimators/*.c; then

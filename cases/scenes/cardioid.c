@@ -72,6 +72,8 @@ static double truth(const double *values, const pm__probe *point)
 {
     const double *const at = point->position, h = values[0];
     double roots[PM__MOST_ROOTS], sum = 0.0;
+    if (!pm__is_upside(point))
+        return 0.0;
     const size_t count = pm__roots(miss, at, -widest(), widest(), CELLS, roots);
     for (size_t i = 0; i < count; i++) {
         const double phi = roots[i];
@@ -135,6 +137,11 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+static void view(const double *values, pm__view *from)
+{
+    *from = (pm__view){.eye = {0, 0, values[0] + 3.0}, .at = {0, 0, 0}, .up = {0, 1, 0}, .angle = 0.7};
+}
+
 const pm__case pm__case_scene_cardioid = {
     .entry = {.name = "scene:cardioid",
               .summary = "caustic of a point light of 1 W/sr on the rim of a mirror cylinder",
@@ -152,4 +159,5 @@ const pm__case pm__case_scene_cardioid = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

@@ -148,6 +148,8 @@ static double truth(const double *values, const pm__probe *point)
     /* On the axis: nearer, rounding of rho is more than what the paraxial limit is off here, both about 1e-10. */
     const double r = fmax(3e-6, hypot(point->position[0], point->position[1]));
     double sum = 0.0;
+    if (!pm__is_upside(point))
+        return 0.0;
     for (int side = -1; side <= 1; side += 2) {
         const target at = {values, side * r};
         double roots[PM__MOST_ROOTS];
@@ -217,6 +219,13 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+/* Past the sphere at what it gathers. */
+static void view(const double *values, pm__view *from)
+{
+    const double d = values[D];
+    *from = (pm__view){.eye = {0, -5.5, 2.2 - d}, .at = {0, 0, -0.5 * d}, .up = {0, 0, 1}, .angle = 0.62};
+}
+
 const pm__case pm__case_scene_glass_sphere = {
     .entry = {.name = "scene:glass-sphere",
               .summary = "caustic of parallel light through a glass sphere of radius 1 m, 1 W/m2",
@@ -234,4 +243,5 @@ const pm__case pm__case_scene_glass_sphere = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

@@ -31,23 +31,16 @@ static double power(const double *values)
     return light_power * values[0] / (1.0 - values[0]);
 }
 
-/* Equal heights have equal areas. */
 static void probe(const double *values, size_t region, const double *u, pm__probe *point)
 {
     (void)values;
     (void)region;
-    const double z = 2.0 * u[0] - 1.0, r = sqrt(fmax(0.0, 1.0 - z * z)), phi = 2.0 * pi * u[1];
-    const double at[3] = {r * cos(phi), r * sin(phi), z};
-    for (int i = 0; i < 3; i++) {
-        point->position[i] = at[i];
-        point->normal[i] = -at[i];
-    }
+    pm__probe_sphere(u, point);
 }
 
 static double truth(const double *values, const pm__probe *point)
 {
-    (void)point;
-    return power(values) / (4.0 * pi);
+    return pm__is_inside(point) ? power(values) / (4.0 * pi) : 0.0;
 }
 
 enum { TERMS = 56 };
@@ -106,6 +99,12 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+static void view(const double *values, pm__view *from)
+{
+    (void)values;
+    *from = (pm__view){.eye = {-0.5, 0, 0}, .at = {1, 0, 0}, .up = {0, 0, 1}, .angle = 1.4};
+}
+
 const pm__case pm__case_scene_integrating_sphere = {
     .entry = {.name = "scene:integrating-sphere",
               .summary = "indirect light of a point light of 1 W in a Lambertian sphere",
@@ -123,4 +122,5 @@ const pm__case pm__case_scene_integrating_sphere = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

@@ -1,4 +1,4 @@
-/* The list of scenes with exact truths as data. */
+/* The list of scenes as data. */
 #include "list.h"
 
 static const pm__entry *const entries[] = {

@@ -1,18 +1,32 @@
-/* Every case of a traced scene, one row each, in the order in which tables show them.
- * Beside the rows: list.c (this list as data) and scene_case.c (what they share). */
+/* Every scene, one row each, in the order in which tables show them: first those with an exact answer, which are cases,
+ * then those that are rendered only.
+ * Beside the rows: list.c (this list as data), scene_case.c and room.c (what the ones and the others share). */
 #ifndef PM_SCENES_LIST_H
 #define PM_SCENES_LIST_H
 
 #include "../case.h"
 
 #define PM_SCENE_LIST(X) \
+    X(furnace)            \
     X(integrating_sphere) \
+    X(point_light)        \
+    X(rect_light)         \
+    X(corner)             \
+    X(wall)               \
+    X(glossy_plane)       \
     X(glass_sphere)       \
     X(nephroid)           \
     X(cardioid)           \
     X(plate)              \
     X(water)              \
-    X(pool)
+    X(pool)               \
+    X(prism)              \
+    X(cornell)            \
+    X(cornell_diffuse)    \
+    X(cornell_water)      \
+    X(four_lights)        \
+    X(fractal_cornell)    \
+    X(cognac)
 
 #define X(name) extern const pm__case pm__case_scene_##name;
 PM_SCENE_LIST(X)

@@ -7,9 +7,9 @@
  * The wall's dth dz = dth ds tan a catches E0 cos a cos th dth dz, and |dP/dth x dP/ds| = |cos th - 2 s|: with
  * Ef = E0 sin a, the direct irradiance of the floor,
  *     E = Ef sum of cos th / |cos th - 2 s|,   over th with  sin th - x sin 2th + y cos 2th = 0,
- * 0 < s <= height cot a.
- * Inside the circle s is within the chord 2 cos th by itself. Fold: s = cos th / 2, the curve cos th (1/2 + sin^2 th),
- * sin^3 th; cusp (1/2, 0). The wall must be as high as 2 tan a, so that no floor point lacks light from above its edge.
+ * 0 < s <= height cot a, and s <= 2 cos th, the chord, where that ends in the mirror: light leaves by the open side
+ * only if |th| < pi / 6 (see Power). Fold: s = cos th / 2, the curve cos th (1/2 + sin^2 th), sin^3 th; cusp (1/2, 0).
+ * The wall must be as high as 2 tan a, so that no floor point lacks light from above its edge.
  * Power. The chord from th ends at the angle 3 th + pi: in the open side for |th| < pi / 6, so that all of the wall's
  * light lands; else in the mirror, and only light from below 2 cos th tan a lands first. With integral of cos^2
  * from pi / 6 to pi / 2 = pi / 6 - sqrt(3) / 8:
@@ -80,11 +80,14 @@ static double truth(const double *values, const pm__probe *point)
 {
     const double *const at = point->position, a = elevation(values);
     double roots[PM__MOST_ROOTS], sum = 0.0;
+    if (!pm__is_upside(point))
+        return 0.0;
     const size_t count = pm__roots(miss, at, -0.5 * pi, 0.5 * pi, CELLS, roots);
     for (size_t i = 0; i < count; i++) {
         const double th = roots[i];
         const double s = (cos(th) - at[0]) * cos(2.0 * th) + (sin(th) - at[1]) * sin(2.0 * th);
-        if (s > 0.0 && s * tan(a) <= values[HEIGHT])
+        const bool leaves = fabs(th) < pi / 6.0 || s <= 2.0 * cos(th);
+        if (s > 0.0 && s * tan(a) <= values[HEIGHT] && leaves)
             sum += cos(th) / fabs(cos(th) - 2.0 * s);
     }
     return beam * sin(a) * sum;
@@ -153,6 +156,11 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+static void view(const double *values, pm__view *from)
+{
+    *from = (pm__view){.eye = {0, 0, values[HEIGHT] + 3.0}, .at = {0, 0, 0}, .up = {0, 1, 0}, .angle = 0.72};
+}
+
 const pm__case pm__case_scene_nephroid = {
     .entry = {.name = "scene:nephroid",
               .summary = "caustic of parallel light of 1 W/m2 in a mirror half cylinder",
@@ -171,4 +179,5 @@ const pm__case pm__case_scene_nephroid = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

@@ -68,6 +68,12 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+static void view(const double *values, pm__view *from)
+{
+    const double top = below + values[THICKNESS] + above;
+    *from = (pm__view){.eye = {0, -2.5, top + 1.5}, .at = {0, 0, 0}, .up = {0, 0, 1}, .angle = 0.8};
+}
+
 const pm__case pm__case_scene_plate = {
     .entry = {.name = "scene:plate",
               .summary = "point light of 1 W/sr through a glass plate",
@@ -85,4 +91,5 @@ const pm__case pm__case_scene_plate = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

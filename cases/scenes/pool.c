@@ -6,7 +6,8 @@
  *     x' = x + (d + zeta) tan(psi - psi_t),
  * and with psi' = zeta'' / (1 + zeta'^2), psi_t' = psi' cos psi / (n cos psi_t),
  *     dx'/dx = 1 + zeta' tan(psi - psi_t) + (d + zeta) (psi' - psi_t') / cos^2(psi - psi_t).
- * What falls on dx, less what the surface reflects, is carried onto dx':  E = E0 sum over x of T(psi) / |dx'/dx|.
+ * What falls on dx, less what the surface reflects, is carried onto dx':  E = E0 sum over x of T(psi) / |dx'/dx|, those
+ * x that lie in the beam with the point's y, which light keeps.
  * Deeper than the focus, d + a = n / ((n - 1) a k^2), there are two folds under each crest.
  * Power. The beam is a disc of radius b, all of which reaches the bottom: the integral of 2 sqrt(b^2 - x^2) E0 T, with
  * x = b sin v. Probes lie so far within it that its edge lights none of them.
@@ -100,10 +101,13 @@ static double truth(const double *values, const pm__probe *point)
     const target at = {values[0], point->position[0]};
     const double reach = 1e-3 + aside(at.d);
     double roots[PM__MOST_ROOTS], sum = 0.0;
+    if (!pm__is_upside(point))
+        return 0.0;
     const size_t count = pm__roots(miss, &at, at.x - reach, at.x + reach, CELLS, roots);
     for (size_t i = 0; i < count; i++) {
         const bend b = bend_at(roots[i]);
-        sum += pm__transmittance(cos(b.psi), n) / fabs(slope(at.d, &b));
+        if (hypot(roots[i], point->position[1]) < radius)
+            sum += pm__transmittance(cos(b.psi), n) / fabs(slope(at.d, &b));
     }
     return beam * sum;
 }
@@ -149,6 +153,11 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+static void view(const double *values, pm__view *from)
+{
+    *from = (pm__view){.eye = {0, -1.5, values[0] + 2.5}, .at = {0, 0, 0}, .up = {0, 0, 1}, .angle = 0.6};
+}
+
 const pm__case pm__case_scene_pool = {
     .entry = {.name = "scene:pool",
               .summary = "parallel light of 1 W/m2 through waves of 0.05 m on water",
@@ -166,4 +175,5 @@ const pm__case pm__case_scene_pool = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

@@ -283,6 +283,15 @@ double pm__layered_power(const pm__layered *layered)
     return pm__integral(passed, layered, 0.0, layered->cone);
 }
 
+/* Equal heights have equal areas. */
+void pm__probe_sphere(const double *u, pm__probe *point)
+{
+    const double z = 2.0 * u[0] - 1.0, r = sqrt(fmax(0.0, 1.0 - z * z)), phi = 2.0 * pi * u[1];
+    *point = (pm__probe){.position = {r * cos(phi), r * sin(phi), z}};
+    for (int i = 0; i < 3; i++)
+        point->normal[i] = -point->position[i];
+}
+
 pm_status pm__scene_floor(pm__scene *scene, double x0, double half, double z, pm_error *error)
 {
     const pm__material white = {.kind = PM__DIFFUSE, .diffuse = {1, 1, 1}};
@@ -315,6 +324,8 @@ void pm__layered_probe(const double *values, size_t region, const double *u, pm_
 
 double pm__layered_truth(const pm__layered *layered, const pm__probe *point)
 {
+    if (!pm__is_upside(point))
+        return 0.0;
     return pm__layered_irradiance(layered, hypot(point->position[0], point->position[1]));
 }
 

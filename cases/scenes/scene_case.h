@@ -74,6 +74,20 @@ double pm__layered_within(const pm__layered *layered, const pm__probe *point, co
 double pm__layered_power(const pm__layered *layered);
 double pm__layered_extent(const pm__layered *layered);
 
+/* Is the upper side asked for? (Backs of floors get no light of the scenes' paths.) And of a sphere about the origin,
+ * the inside? */
+static inline bool pm__is_upside(const pm__probe *point)
+{
+    return point->normal[2] > 0.0;
+}
+static inline bool pm__is_inside(const pm__probe *point)
+{
+    return pm__dot(point->normal, point->position) < 0.0;
+}
+
+/* A probe uniform on the inside of the unit sphere, from u[0..1]. */
+void pm__probe_sphere(const double *u, pm__probe *point);
+
 /* Adds a horizontal white Lambertian rectangle, |x - x0| <= half, |y| <= half, at height z. ENOMEM. */
 pm_status pm__scene_floor(pm__scene *scene, double x0, double half, double z, pm_error *error);
 /* A light of the kind that points straight down. */

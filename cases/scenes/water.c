@@ -51,6 +51,12 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
+static void view(const double *values, pm__view *from)
+{
+    (void)values;
+    *from = (pm__view){.eye = {0, -2.5, depth + 2.5}, .at = {0, 0, 0}, .up = {0, 0, 1}, .angle = 0.8};
+}
+
 const pm__case pm__case_scene_water = {
     .entry = {.name = "scene:water",
               .summary = "point light of 1 W/sr over still water",
@@ -68,4 +74,5 @@ const pm__case pm__case_scene_water = {
     .truth = truth,
     .mass = mass,
     .build = build,
+    .view = view,
 };

@@ -85,6 +85,7 @@ typedef struct pm__bench_lookup {
     const pm_search *search;
     pm_workspace *workspace;
     double guess; /* m: a radius that probably holds the photons; INFINITY: none */
+    pm_source source; /* in cases of radiance: the BRDF, and the direction of the probe in hand */
 } pm__bench_lookup;
 
 /* job.c: what can be known to be wrong with a job before it starts: EINVAL, ENOMEM. Costs next to nothing. */
@@ -114,10 +115,13 @@ bool pm__is_separate(const pm__deal *deal);
 pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_maps *maps);
 void pm__trial_maps_destroy(pm__trial_maps *maps);
 
-/* lookup.c: the query of a probe, and a variant's estimate there from sets that hold at least its photons. */
-pm_query pm__probe_query(const pm__bench_lookup *lookup, size_t probe, size_t k, double radius);
+/* lookup.c: the query of a probe, which becomes the one in hand, and a variant's estimate there from sets that hold at
+ * least its photons. */
+pm_query pm__probe_query(pm__bench_lookup *lookup, size_t probe, size_t k, double radius);
 pm_status pm__evaluate_variant(const pm__bench_lookup *lookup, const pm__variant *variant, size_t oracle_k,
                                const float normal[3], const pm__neighbors *sets, size_t set_count, double *value);
+/* Where the BRDF of the probe in hand comes from; NULL: irradiance is asked for. */
+const pm_source *pm__source_of(const pm__bench_lookup *lookup);
 /* Gathers what variants of a kind need; the sets are in the workspace. */
 pm_status pm__gather_main(const pm__bench_lookup *lookup, const pm_query *query);
 pm_status pm__gather_dealt(const pm__bench_lookup *lookup, size_t deal, const pm_query *query);

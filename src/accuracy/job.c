@@ -154,6 +154,8 @@ static const char *reason_against(const pm__job *job, const pm__variant *v)
 {
     if (!(v->estimator->dimensions & 1U << job->subject->dimensions))
         return job->subject->dimensions == 3 ? "it has no form in a volume" : "it has no form on a surface";
+    if (job->subject->brdf && (v->estimator->needs & PM__AT_PHOTON))
+        return "it stores irradiance, and radiance is asked for";
     if ((v->estimator->needs & PM__TRUTH) && !v->k)
         return "it chooses a k, and a fixed radius has none";
     return too_few(v) ? "k is too few for it" : NULL;
@@ -285,7 +287,8 @@ static double trial_bytes(const pm__job *job)
 {
     enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]) };
     const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
-    const double map = pm__bytes_when_built(structure_of(job)), building = pm__bytes_to_build(structure_of(job)) - map;
+    const double map = pm__bytes_when_built(structure_of(job), true);
+    const double building = pm__bytes_to_build(structure_of(job), true) - map;
     double held = photon + map + deals * map, passing = building + (job->deal_count ? photon + 1.0 : 0.0);
     for (size_t f = 0; f < job->fraction_count; f++) {
         held += job->fractions[f] * (map + NUMBER + NORMAL);
@@ -317,7 +320,7 @@ static pm_status check_memory(const pm__job *job, pm_error *error)
     const pm__accuracy_config *const c = job->config;
     const size_t threads = c->threads ? c->threads : 1, at_once = threads < c->trials ? threads : c->trials;
     /* Times are taken with the maps of a trial at hand, building them anew one by one. */
-    const double again = (double)job->photons * pm__bytes_to_build(structure_of(job)), trial = trial_bytes(job);
+    const double again = (double)job->photons * pm__bytes_to_build(structure_of(job), true), trial = trial_bytes(job);
     const double needed = result_bytes(job) + fmax((double)at_once * trial, trial + (c->timing ? again : 0.0));
     if (!(c->memory > 0.0) || needed <= c->memory)
         return PM_OK;
@@ -346,6 +349,16 @@ static pm_status allocate_results(pm__job *job)
                : PM_ENOMEM;
 }
 
+static pm_status check_truth(const pm__job *job, pm_error *error)
+{
+    static const char prefix[] = "scene:";
+    const char *const name = job->case_spec->entry->name;
+    if (job->subject->truth)
+        return PM_OK;
+    const size_t skip = strncmp(name, prefix, sizeof prefix - 1) ? 0 : sizeof prefix - 1;
+    return pm__fail(error, PM_EINVAL, "%s has no exact answer: see it with `photonbench render %s`", name, name + skip);
+}
+
 /* All that can be refused, before anything is drawn. */
 static pm_status plan_estimates(pm__job *job, const pm__accuracy_config *config, const pm__spec *case_spec,
                                 const pm__spec *sampler_spec, size_t photons, pm_error *error)
@@ -357,8 +370,11 @@ static pm_status plan_estimates(pm__job *job, const pm__accuracy_config *config,
     job->case_spec = case_spec;
     job->sampler_spec = sampler_spec;
     job->asked_photons = photons;
+    pm_status status = check_truth(job, error);
+    if (status != PM_OK)
+        return status;
     job->photons = pm__drawn_count(job, photons);
-    pm_status status = plan_variants(job, error);
+    status = plan_variants(job, error);
     if (status == PM_OK)
         status = plan_candidates(job);
     return status == PM_OK ? check_memory(job, error) : status;

@@ -1,8 +1,39 @@
 /* Lookups of the bench: neighbours are found once for the largest k, and every smaller k is a prefix of them. */
 #include "bench.h"
 
-pm_query pm__probe_query(const pm__bench_lookup *lookup, size_t probe, size_t k, double radius)
+/* The case's BRDF as estimators call it. */
+static void apply_brdf(void *context, const float incoming[3], const float outgoing[3], float value[3])
 {
+    const pm__job *const job = context;
+    double in[3], out[3], result[3];
+    for (int a = 0; a < 3; a++) {
+        in[a] = (double)incoming[a];
+        out[a] = (double)outgoing[a];
+    }
+    job->subject->brdf(job->values, in, out, result);
+    for (int b = 0; b < 3; b++)
+        value[b] = (float)result[b];
+}
+
+const pm_source *pm__source_of(const pm__bench_lookup *lookup)
+{
+    return lookup->source.brdf ? &lookup->source : NULL;
+}
+
+static void aim(pm__bench_lookup *lookup, size_t probe)
+{
+    const pm__job *const job = lookup->job;
+    if (!job->subject->brdf)
+        return;
+    lookup->source.brdf = apply_brdf;
+    lookup->source.brdf_context = (void *)(uintptr_t)job; /* only read */
+    for (int a = 0; a < 3; a++)
+        lookup->source.outgoing[a] = (float)job->probes[probe].outgoing[a];
+}
+
+pm_query pm__probe_query(pm__bench_lookup *lookup, size_t probe, size_t k, double radius)
+{
+    aim(lookup, probe);
     const pm__job *const job = lookup->job;
     const pm__shape *const shape = &job->config->lookup;
     pm_query query;
@@ -36,7 +67,7 @@ static pm_status gather_within_guess(const pm__bench_lookup *lookup, const pm_ma
 pm_status pm__gather_main(const pm__bench_lookup *lookup, const pm_query *query)
 {
     const pm_map *const map = lookup->maps->map;
-    const pm__gathering gathering = {NULL, pm_map_unit(map), true, lookup->job->offsets};
+    const pm__gathering gathering = {pm__source_of(lookup), pm_map_unit(map), true, lookup->job->offsets};
     const pm_status status = gather_within_guess(lookup, map, query, &gathering, 0);
     if (status == PM_OK)
         pm__point_sets(lookup->workspace, 1, gathering.offsets);
@@ -46,7 +77,7 @@ pm_status pm__gather_main(const pm__bench_lookup *lookup, const pm_query *query)
 pm_status pm__gather_dealt(const pm__bench_lookup *lookup, size_t deal, const pm_query *query)
 {
     const size_t maps = lookup->job->deals[deal].maps;
-    const pm__gathering gathering = {NULL, pm_map_unit(lookup->maps->map), true, false};
+    const pm__gathering gathering = {pm__source_of(lookup), pm_map_unit(lookup->maps->map), true, false};
     for (size_t m = 0; m < maps; m++) {
         pm_query part = *query;
         part.k = pm__share(query->k, maps, m);

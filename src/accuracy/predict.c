@@ -65,10 +65,25 @@ static bool tabulate(const prediction *p, size_t probe, pm__radial *radial)
     return !isnan(sum);
 }
 
+/* What a photon's power counts at a probe: 1, or where radiance is asked for the BRDF, if light comes from one
+ * direction. NAN: photons differ. */
+static double worth_at(const pm__job *job, size_t probe)
+{
+    const pm__case *const subject = job->subject;
+    double along[3], value[3];
+    if (!subject->brdf)
+        return 1.0;
+    if (!subject->incoming)
+        return NAN;
+    subject->incoming(job->values, &job->probes[probe], along);
+    subject->brdf(job->values, along, job->probes[probe].outgoing, value);
+    return value[0];
+}
+
 static void predict_variant(const prediction *p, size_t v, size_t probe, const pm__law_grid *grid)
 {
     pm__job *const job = p->job;
-    const pm__moments m = pm__kernel_moments(&p->laws[v], grid, p->flux);
+    const pm__moments m = pm__kernel_moments(&p->laws[v], grid, p->flux * worth_at(job, probe));
     job->predicted_mean[v * job->probe_count + probe] = m.mean;
     if (p->independent)
         job->predicted_variance[v * job->probe_count + probe] = m.variance;
@@ -104,8 +119,8 @@ static void predict_candidates(const prediction *p, size_t probe, const pm__radi
         if (!pm__law_grid_init(&grid, &p->rule, false, radial, job->candidates[c], job->photons, job->max_radius))
             continue;
         for (size_t o = 0; o < job->oracle_count; o++) {
-            const pm__moments m =
-                pm__disc_moments(&grid, p->flux, pm__estimator_of(job->oracles[o])->last(job->oracles[o]->values));
+            const pm__moments m = pm__disc_moments(&grid, p->flux * worth_at(job, probe),
+                                                   pm__estimator_of(job->oracles[o])->last(job->oracles[o]->values));
             const double bias = m.mean - job->truth[probe];
             job->expected_square[(o * job->candidate_count + c) * job->probe_count + probe] =
                 m.variance + bias * bias;
@@ -154,7 +169,7 @@ static void predict_uniform(const prediction *p, size_t v)
         if (!region->uniform || (!region->interior && !at_edges))
             continue;
         for (size_t q = job->first[r]; q < job->first[r + 1]; q++) {
-            const double density = job->truth[q] / job->subject->power(job->values);
+            const double density = job->truth[q] / worth_at(job, q) / job->subject->power(job->values);
             const double reach = job->subject->dimensions == 3 ? cbrt(share / (4.18879 * density))
                                                                : sqrt(share / (3.14159 * density));
             if (at_edges || 1.5 * reach < 0.15)

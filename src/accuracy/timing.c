@@ -40,7 +40,8 @@ static pm_status plain_query(stopwatch *w, const pm_query *query)
 {
     const unsigned needs = w->variant->estimator->needs;
     const pm_map *const map = w->lookup.maps->map;
-    const pm__gathering gathering = {NULL, pm_map_unit(map), needs & PM__SORTED, needs & PM__OFFSETS};
+    const pm__gathering gathering = {pm__source_of(&w->lookup), pm_map_unit(map), needs & PM__SORTED,
+                                     needs & PM__OFFSETS};
     pm_status status = pm__gather(map, query, &gathering, w->lookup.workspace, 0);
     if (status != PM_OK)
         return status;

@@ -23,6 +23,18 @@ static inline double pm__normalize(double v[3])
     return length * largest;
 }
 
+/* The same for vectors that are seldom far from unit size: cheaper there. */
+static inline double pm__normalize_near(double v[3])
+{
+    const double square = pm__dot(v, v);
+    if (!(square > 1e-200 && square < 1e200))
+        return pm__normalize(v);
+    const double length = sqrt(square);
+    for (int i = 0; i < 3; i++)
+        v[i] /= length;
+    return length;
+}
+
 /* Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (s, t, n).
  * Duff et al. 2017, "Building an orthonormal basis, revisited". */
 static inline void pm__basis(const double n[3], double s[3], double t[3])

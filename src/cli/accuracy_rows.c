@@ -87,17 +87,6 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     memcpy(cells, filled, sizeof filled);
 }
 
-static json_t *spec_names(const pm__spec *specs, size_t count)
-{
-    char name[PM__MAX_SPEC];
-    json_t *const list = json_array();
-    for (size_t i = 0; i < count; i++) {
-        pm__spec_format(&specs[i], name, sizeof name);
-        (void)json_array_append_new(list, json_string(name));
-    }
-    return list;
-}
-
 static json_t *counts(const size_t *values, size_t count)
 {
     json_t *const list = json_array();
@@ -122,12 +111,12 @@ static json_t *options_of(const pm__settings *s, const pm__accuracy_config *conf
     char lookup[48];
     json_t *const options = json_object();
     pm__lookup_format(&config->lookup, lookup);
-    (void)json_object_set_new(options, "case", spec_names(config->cases, config->case_count));
-    (void)json_object_set_new(options, "estimator", spec_names(config->estimators, config->estimator_count));
+    (void)json_object_set_new(options, "case", pm__spec_names(config->cases, config->case_count));
+    (void)json_object_set_new(options, "estimator", pm__spec_names(config->estimators, config->estimator_count));
     (void)json_object_set_new(options, "k", counts(config->ks, config->k_count));
     (void)json_object_set_new(options, "radius", radius_option(config));
     (void)json_object_set_new(options, "photons", counts(config->photons, config->photon_count));
-    (void)json_object_set_new(options, "sampler", spec_names(config->samplers, config->sampler_count));
+    (void)json_object_set_new(options, "sampler", pm__spec_names(config->samplers, config->sampler_count));
     (void)json_object_set_new(options, "trials", json_integer((json_int_t)config->trials));
     (void)json_object_set_new(options, "probes", json_integer((json_int_t)config->probes_all));
     (void)json_object_set_new(options, "search", json_string(config->search));

@@ -1,6 +1,7 @@
 /* list: what there is, from the catalogues. */
 #include "../../cases/scenes/list.h"
 #include "../../estimators/estimator.h"
+#include "../methods/render.h"
 #include "../search/search.h"
 #include "commands.h"
 #include "progress.h"
@@ -10,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 5, TEXT_SIZE = 4096 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 6, TEXT_SIZE = 4096 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -23,8 +24,9 @@ static const kind kinds[KIND_COUNT] = {
     {"estimators", "Estimators", "--estimator NAME[:key=value[,key=value...]]", &pm__estimators},
     {"searches", "Searches", "--search NAME", &pm__searches},
     {"cases", "Cases", "--case NAME[:key=value[,key=value...]]", &pm__cases},
-    {"scenes", "Scenes with exact answers", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
+    {"scenes", "Scenes", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
+    {"methods", "Methods", "--method NAME[:key=value[,key=value...]]", &pm__methods},
 };
 
 /* An entry and which kind it is of. */
@@ -85,6 +87,18 @@ static void format_param(const pm__entry *entry, size_t i, char *text, size_t si
                    param->help);
 }
 
+/* Of a scene: is there an exact answer, and of which light? */
+static void print_answer(FILE *file, const pm__case *scene)
+{
+    char text[200];
+    if (scene->truth)
+        (void)snprintf(text, sizeof text, "exact answer: of light paths %s", scene->paths);
+    else
+        (void)snprintf(text, sizeof text, "no exact answer: for render, not for accuracy");
+    (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
+    pm__wrap(file, text, TEXT_COLUMN + 2, TEXT_COLUMN + 6);
+}
+
 static void print_item(FILE *file, const thing *item)
 {
     char text[600];
@@ -100,6 +114,8 @@ static void print_item(FILE *file, const thing *item)
         (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
         pm__wrap(file, text, TEXT_COLUMN + 2, TEXT_COLUMN + 6);
     }
+    if (item->kind->catalogue == &pm__scene_cases)
+        print_answer(file, subject);
     for (size_t i = 0; subject && i < subject->region_count; i++) {
         (void)snprintf(text, sizeof text, "region %s: %s", subject->regions[i].name, subject->regions[i].summary);
         (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
@@ -181,7 +197,7 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     cells[2] = pm__text_cell(item->entry->summary);
     cells[3] = pm__text_cell(item->entry->citation);
     cells[4] = (pm__cell){.type = PM__TREE, .tree = params, .text = *values ? values + 1 : ""};
-    if (subject) {
+    if (subject && subject->truth) {
         cells[5] = pm__text_cell(subject->paths);
         cells[6] = (pm__cell){.type = PM__TREE, .tree = region_trees(subject)};
     }
@@ -209,7 +225,8 @@ static int refuse(const char *name)
     if (nearest)
         pm__complain("list", "no list '%.80s'; did you mean '%s'?", name, nearest);
     else
-        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers", name);
+        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers, methods",
+                     name);
     return PM__EXIT_USAGE;
 }
 
@@ -258,7 +275,7 @@ static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_
 
 const pm__command pm__command_list = {
     .name = "list",
-    .operands = "[estimators|searches|cases|scenes|samplers]",
+    .operands = "[estimators|searches|cases|scenes|samplers|methods]",
     .max_operands = 1,
     .job = "what there is, with parameters, their defaults and ranges, and where it comes from",
     .text = "Examples:\n"

@@ -226,10 +226,10 @@ const pm__command pm__command_search = {
     .name = "search",
     .operands = "",
     .job = "build and query time of the searches and of peer libraries, checked against brute force",
-    .text = "All searches get the same photons and the same queries, which are drawn as the photons are. They take\n"
-            "turns, in random order, in rounds; ratios are taken within rounds, and their intervals hold for all\n"
-            "of a run together. The baseline is 'recursive', or the first where that is not asked for. Exit status\n"
-            "1: a search found other photons than brute force does.\n\n"
+    .text = "All searches get the same photons and the same queries, which are drawn as the photons are. They\n"
+            "take turns, in random order, in rounds; ratios are taken within rounds, and their intervals hold\n"
+            "for all of a run together. The baseline is 'recursive', or the first where that is not asked for.\n"
+            "Exit status 1: a search found other photons than brute force does.\n\n"
             "Examples:\n"
             "  photonbench search\n"
             "  photonbench search --case box,square,caustic,volume --k 8,50,500 --search all --json search.json\n"

@@ -58,7 +58,7 @@ static double bytes_of_maps(const pm__estimate *e)
 {
     enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]), STORED = 40 };
     const pm__structure_id structure = e->lookup.search->structure;
-    const double photon = sizeof(pm_photon), map = pm__bytes_to_build(structure);
+    const double photon = sizeof(pm_photon), map = pm__bytes_to_build(structure, true);
     double bytes = map + (maps_of(e) > 1 ? photon : 0.0);
     if (estimator_of(e)->needs & PM__AT_PHOTON)
         bytes += NUMBER + pm__spec_value(e->spec, "fraction", 1.0) * (map + photon + NUMBER + NORMAL + STORED);

@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+enum { PM__MOST_HELD = 264 };
+
 /* From now on such a signal removes what pm__interrupt_hold named and ends the process at once, with
  * PM__EXIT_INTERRUPTED. A signal that the process was started to ignore stays ignored, here and below. */
 void pm__interrupt_obey(void);
@@ -14,7 +16,7 @@ void pm__interrupt_watch(void);
 bool pm__interrupted(void);
 
 /* Names a file (copied) that a signal which ends the process must not leave behind. The number to release it by; -1
- * for NULL, or where there is no room for one more. One thread. */
+ * for NULL, or where PM__MOST_HELD are held. One thread. */
 int pm__interrupt_hold(const char *path);
 
 /* The file is gone, or has its final name. -1 is allowed. */

@@ -22,6 +22,7 @@ void pm__settings_free(pm__settings *settings)
     free(settings->ks.items);
     free(settings->searches.items);
     free(settings->photons.items);
+    free(settings->command_line);
 }
 
 /* The command's options and --help, as rows and in getopt's form. */
@@ -130,9 +131,42 @@ static pm_status check_outputs(const pm__settings *settings, pm_error *error)
     return PM_OK;
 }
 
+static void write_word(FILE *file, const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:,=+@%";
+    if (*word && !word[strspn(word, plain)]) {
+        (void)fputs(word, file);
+        return;
+    }
+    (void)fputc('\'', file);
+    for (; *word; word++)
+        (void)fputs(*word == '\'' ? "'\\''" : (const char[]){*word, '\0'}, file);
+    (void)fputc('\'', file);
+}
+
+/* Before getopt reorders the words. */
+static pm_status keep_command_line(int argc, char **argv, pm__settings *settings, pm_error *error)
+{
+    size_t size = 0;
+    free(settings->command_line);
+    settings->command_line = NULL;
+    FILE *const file = open_memstream(&settings->command_line, &size);
+    if (!file)
+        return pm__fail(error, PM_ENOMEM, "out of memory");
+    (void)fputs("photonbench", file);
+    for (int i = 0; i < argc; i++) {
+        (void)fputc(' ', file);
+        write_word(file, argv[i]);
+    }
+    return fclose(file) == 0 ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory");
+}
+
 pm_status pm__options_parse(const pm__command *command, int argc, char **argv, pm__settings *settings, pm_error *error)
 {
     grammar g;
+    const pm_status kept = keep_command_line(argc, argv, settings, error);
+    if (kept)
+        return kept;
     grammar_init(&g, command);
     opterr = 0;
     optind = 0; /* GNU: start afresh */

@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 8, PM__MAX_SHAPES = 8 };
+enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 32, PM__MAX_SHAPES = 8 };
 
 /* A list of specs or numbers, as options append to it. */
 typedef struct pm__specs {
@@ -19,6 +19,15 @@ typedef struct pm__counts {
     size_t *items;
     size_t count;
 } pm__counts;
+
+/* What `render` alone asks. */
+typedef struct pm__render_options {
+    pm__spec method;            /* entry NULL: not given */
+    size_t width, height, spp;
+    bool aov, plan, no_skip;
+    bool eye, at, up, angle;    /* which of the view's members were given */
+    pm__view view;
+} pm__render_options;
 
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
 typedef struct pm__settings {
@@ -41,6 +50,8 @@ typedef struct pm__settings {
     bool order_random, order_coherent;
     size_t radius_hits, samples;
     double seconds;
+    pm__render_options render;
+    char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;
 } pm__settings;

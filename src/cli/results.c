@@ -15,7 +15,7 @@ static bool is_in_place(const char *path)
     return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
 }
 
-static pm_status open_sink(const char *path, pm__sink *sink, pm_error *error)
+pm_status pm__sink_open(const char *path, pm__sink *sink, pm_error *error)
 {
     sink->wanted = path != NULL;
     sink->is_stdout = path && strcmp(path, "-") == 0;
@@ -32,7 +32,7 @@ static pm_status open_sink(const char *path, pm__sink *sink, pm_error *error)
     return status;
 }
 
-static FILE *sink_file(const pm__sink *sink)
+FILE *pm__sink_file(const pm__sink *sink)
 {
     if (!sink->wanted)
         return NULL;
@@ -42,15 +42,15 @@ static FILE *sink_file(const pm__sink *sink)
 pm_status pm__sinks_open(const pm__settings *settings, bool screen, pm__sinks *sinks, pm_error *error)
 {
     memset(sinks, 0, sizeof *sinks);
-    pm_status status = open_sink(settings->json, &sinks->json, error);
+    pm_status status = pm__sink_open(settings->json, &sinks->json, error);
     if (status == PM_OK)
-        status = open_sink(settings->csv, &sinks->csv, error);
+        status = pm__sink_open(settings->csv, &sinks->csv, error);
     if (status == PM_OK)
-        status = open_sink(settings->markdown, &sinks->markdown, error);
+        status = pm__sink_open(settings->markdown, &sinks->markdown, error);
     const bool claimed = sinks->json.is_stdout || sinks->csv.is_stdout || sinks->markdown.is_stdout;
     const char *const to = settings->output ? settings->output : screen && !claimed ? "-" : NULL;
     if (status == PM_OK)
-        status = open_sink(to, &sinks->screen, error);
+        status = pm__sink_open(to, &sinks->screen, error);
     if (status != PM_OK)
         pm__sinks_discard(sinks);
     return status;
@@ -58,10 +58,10 @@ pm_status pm__sinks_open(const pm__settings *settings, bool screen, pm__sinks *s
 
 FILE *pm__sinks_screen(const pm__sinks *sinks)
 {
-    return sink_file(&sinks->screen);
+    return pm__sink_file(&sinks->screen);
 }
 
-static pm_status close_sink(pm__sink *sink, pm_error *error)
+pm_status pm__sink_close(pm__sink *sink, pm_error *error)
 {
     if (!sink->wanted)
         return PM_OK;
@@ -76,12 +76,21 @@ static pm_status close_sink(pm__sink *sink, pm_error *error)
     return PM_OK;
 }
 
+void pm__sink_discard(pm__sink *sink)
+{
+    if (sink->wanted && !sink->is_stdout) {
+        pm__output_discard(&sink->output);
+        pm__interrupt_release(sink->held);
+    }
+    sink->wanted = false;
+}
+
 static pm_status finish_sink(pm__sink *sink, void (*write)(FILE *file, const pm__results *results),
                              const pm__results *results, pm_error *error)
 {
     if (sink->wanted)
-        write(sink_file(sink), results);
-    return close_sink(sink, error);
+        write(pm__sink_file(sink), results);
+    return pm__sink_close(sink, error);
 }
 
 pm_status pm__sinks_finish(pm__sinks *sinks, const pm__results *results, pm_error *error)
@@ -92,7 +101,7 @@ pm_status pm__sinks_finish(pm__sinks *sinks, const pm__results *results, pm_erro
     if (status == PM_OK)
         status = finish_sink(&sinks->markdown, pm__write_markdown, results, error);
     if (status == PM_OK)
-        status = close_sink(&sinks->screen, error);
+        status = pm__sink_close(&sinks->screen, error);
     if (status != PM_OK)
         pm__sinks_discard(sinks);
     return status;
@@ -100,12 +109,8 @@ pm_status pm__sinks_finish(pm__sinks *sinks, const pm__results *results, pm_erro
 
 void pm__sinks_discard(pm__sinks *sinks)
 {
-    pm__sink *const all[] = {&sinks->json, &sinks->csv, &sinks->markdown, &sinks->screen};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        if (all[i]->wanted && !all[i]->is_stdout) {
-            pm__output_discard(&all[i]->output);
-            pm__interrupt_release(all[i]->held);
-        }
-        all[i]->wanted = false;
-    }
+    pm__sink_discard(&sinks->json);
+    pm__sink_discard(&sinks->csv);
+    pm__sink_discard(&sinks->markdown);
+    pm__sink_discard(&sinks->screen);
 }

@@ -75,6 +75,9 @@ void pm__write_json(FILE *file, const pm__results *results);
 void pm__write_csv(FILE *file, const pm__results *results);
 void pm__write_markdown(FILE *file, const pm__results *results);
 
+/* The canonical names, for "options". write_json.c */
+json_t *pm__spec_names(const pm__spec *specs, size_t count);
+
 /* The "machine" object; NULL if out of memory. machine.c */
 json_t *pm__machine(void);
 
@@ -91,6 +94,13 @@ typedef struct pm__sink {
 typedef struct pm__sinks {
     pm__sink json, csv, markdown, screen; /* screen: standard output, or -o FILE */
 } pm__sinks;
+
+/* One sink. path: "-" is standard output; NULL opens nothing, and the others then do nothing. A file that is not yet
+ * finished is gone when a signal ends the process. EIO, ENOMEM. */
+pm_status pm__sink_open(const char *path, pm__sink *sink, pm_error *error);
+FILE *pm__sink_file(const pm__sink *sink); /* NULL where not open */
+pm_status pm__sink_close(pm__sink *sink, pm_error *error); /* complete, or absent on error */
+void pm__sink_discard(pm__sink *sink);
 
 /* Opens all that is asked for, so that a bad path shows before the work. The screen form is wanted if `screen` says so
  * and neither -o - nor a data format claims standard output. On error all are closed. */

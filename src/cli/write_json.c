@@ -118,3 +118,14 @@ void pm__write_json(FILE *file, const pm__results *results)
     }
     (void)fputs(results->row_count ? "\n  ]\n}\n" : "]\n}\n", file);
 }
+
+json_t *pm__spec_names(const pm__spec *specs, size_t count)
+{
+    char name[PM__MAX_SPEC];
+    json_t *const list = json_array();
+    for (size_t i = 0; i < count; i++) {
+        pm__spec_format(&specs[i], name, sizeof name);
+        (void)json_array_append_new(list, json_string(name));
+    }
+    return list;
+}

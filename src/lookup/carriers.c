@@ -22,7 +22,9 @@ static pm_status fill(pm__carriers *c, const pm_map *map, const float (*normals)
             memcpy(c->normals[i], normals[source], sizeof c->normals[i]);
     }
     /* The nearest carrier is asked for, whatever the radius of the estimates. */
-    const pm_map_options options = {.parallel = parallel, .search = map->search->radius_only ? NULL : map->search};
+    const pm_map_options options = {.parallel = parallel,
+                                    .search = map->search->radius_only ? NULL : map->search,
+                                    .no_directions = !pm__has_directions(map)};
     return pm_map_create(photons, c->count, &options, &c->map, NULL);
 }
 

@@ -23,10 +23,10 @@ static pm_status find_neighbors(const pm_map *map, const pm_query *query, const 
     }
 }
 
-static void apply_brdf(const pm_map *map, const pm_source *source, uint32_t number, float flux[3])
+static void apply_brdf(const pm_source *source, const float direction[3], float flux[3])
 {
     float value[3] = {0.0f, 0.0f, 0.0f};
-    source->brdf(source->brdf_context, map->carried[number].direction, source->outgoing, value);
+    source->brdf(source->brdf_context, direction, source->outgoing, value);
     for (int c = 0; c < 3; c++)
         flux[c] *= value[c];
 }
@@ -38,12 +38,12 @@ static void read_photons(const pm_map *map, const pm__query *prepared, const pm_
     const bool brdf = gathering->source && gathering->source->brdf;
     for (size_t i = 0; i < count; i++) {
         const pm_neighbor neighbor = workspace->neighbors[i];
+        const float *const power = pm__power(map, neighbor.number);
         float *const flux = workspace->flux[first + i];
         workspace->distance2[first + i] = neighbor.distance2 * (scale * scale);
-        for (int c = 0; c < 3; c++)
-            flux[c] = map->carried[neighbor.number].power[c];
+        memcpy(flux, power, sizeof workspace->flux[0]);
         if (brdf)
-            apply_brdf(map, gathering->source, neighbor.number, flux);
+            apply_brdf(gathering->source, power + PM__POWER, flux);
         if (gathering->offsets) {
             float position[3];
             pm__position(map, neighbor.number, position);
@@ -67,6 +67,8 @@ static float farthest_distance2(const pm_workspace *workspace, size_t count)
 static pm_status gather_neighbors(const pm_map *map, const pm_query *query, const pm__query *prepared,
                                   const pm__gathering *gathering, pm_workspace *workspace, size_t set, size_t count)
 {
+    if (gathering->source && gathering->source->brdf && !pm__has_directions(map))
+        return PM_EINVAL;
     const size_t first = set ? workspace->first[set - 1] + workspace->sets[set - 1].count : 0;
     const pm_status status = pm__workspace_reserve(workspace, first + count, set + 1);
     if (status != PM_OK)

@@ -6,7 +6,7 @@
 #include "../search/search.h"
 
 /* Checks a public query and puts it into the map's frame. EINVAL: NaN, a negative radius, k = 0 without a limit,
- * a zero normal where one is needed. */
+ * a zero normal where one is needed, a side asked of a map without directions. */
 pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error);
 
 /* The search that a query is for: NULL where the map has no structure for it, or it cannot do what is asked. */
@@ -64,7 +64,8 @@ typedef struct pm__gathering {
 } pm__gathering;
 
 /* Looks up `query` in a map and gathers its photons as set number `set`, behind the sets before it. Sets are gathered
- * in order; when all are there pm__point_sets makes their pointers valid. */
+ * in order; when all are there pm__point_sets makes their pointers valid. EINVAL also where a BRDF is to be applied to
+ * photons without directions. */
 pm_status pm__gather(const pm_map *map, const pm_query *query, const pm__gathering *gathering,
                      pm_workspace *workspace, size_t set);
 /* The same, as the only set, from neighbours that a search for this query has found. */

@@ -67,6 +67,8 @@ pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query 
         return pm__fail(error, PM_EINVAL, "the maximum radius is %g m: it is at least 0", radius);
     if (!query->k && isinf(radius))
         return pm__fail(error, PM_EINVAL, "a query needs a k or a finite radius");
+    if (query->front_only && !pm__has_directions(map))
+        return pm__fail(error, PM_EINVAL, "the map keeps no directions, so no photon has a side");
     *prepared = (pm__query){.k = query->k < map->count ? query->k : map->count,
                             .shape = query->shape,
                             .front_only = query->front_only};

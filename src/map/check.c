@@ -74,6 +74,14 @@ static pm_status check_tree(const pm_map *map, pm_error *error)
     return status == PM_OK ? check_planes(map, nodes, error) : status;
 }
 
+static bool all_finite(const float *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return false;
+    return true;
+}
+
 pm_status pm_map_check(const pm_map *map, pm_error *error)
 {
     if (!map)
@@ -81,10 +89,8 @@ pm_status pm_map_check(const pm_map *map, pm_error *error)
     for (size_t i = 0; i < map->count; i++) {
         float position[3];
         pm__position(map, i, position);
-        for (int a = 0; a < 3; a++)
-            if (!isfinite(position[a]) || !isfinite(map->carried[i].direction[a]) ||
-                !isfinite(map->carried[i].power[a]))
-                return pm__fail(error, PM_EBROKEN, "photon %zu: a value is not finite", i);
+        if (!all_finite(position, 3) || !all_finite(pm__power(map, i), map->carried_size))
+            return pm__fail(error, PM_EBROKEN, "photon %zu: a value is not finite", i);
     }
     pm_status status = check_ids(map, error);
     if (status == PM_OK && map->index[PM__KD_TREE])

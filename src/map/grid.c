@@ -207,7 +207,7 @@ static size_t bytes(const pm_map *map, const void *index)
     return starts + blocks + (grid->numbers ? map->count * sizeof *grid->numbers : 0);
 }
 
-const pm__structure pm__structure_grid = {PM__GRID, arrange, place, destroy, bytes, false, 4.0, 20.0};
+const pm__structure pm__structure_grid = {PM__GRID, arrange, place, destroy, bytes, false, 4.0, 20.0, 0.0};
 
 pm_status pm__grid_check(const pm_map *map, pm_error *error)
 {

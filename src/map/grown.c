@@ -238,7 +238,7 @@ static size_t bytes(const pm_map *map, const void *index)
     return ((const pm__grown *)index)->capacity * sizeof(pm__grown_node);
 }
 
-const pm__structure pm__structure_grown = {PM__GROWN, arrange, place, destroy, bytes, false, 20.0, 16.0};
+const pm__structure pm__structure_grown = {PM__GROWN, arrange, place, destroy, bytes, false, 20.0, 16.0, 0.0};
 
 /* ---- maps that grow ----------------------------------------------------------------------------- */
 
@@ -275,10 +275,11 @@ static pm_status reserve(pm_map *map, pm__grown *tree)
     if (map->count < tree->capacity)
         return PM_OK;
     const size_t n = map->count, room = n < 32 ? 64 : n < PM_MAX_PHOTONS / 2 ? 2 * n : PM_MAX_PHOTONS;
+    const size_t size = map->carried_size * sizeof *map->carried;
     void *blocks = map->blocks, *ids = map->ids, *carried = map->carried, *nodes = tree->nodes;
     const bool done = enlarge(&blocks, sizeof *map->blocks, map->block_count, (room + PM__LANES - 1) / PM__LANES) &&
-                      enlarge(&ids, sizeof *map->ids, n, room) &&
-                      enlarge(&carried, sizeof *map->carried, n, room) && enlarge(&nodes, sizeof *tree->nodes, n, room);
+                      enlarge(&ids, sizeof *map->ids, n, room) && enlarge(&carried, size, n, room) &&
+                      enlarge(&nodes, sizeof *tree->nodes, n, room);
     map->blocks = blocks;
     map->ids = ids;
     map->carried = carried;
@@ -320,11 +321,9 @@ static void append(pm_map *map, const pm_photon *photon, const float position[3]
     block->y[lane] = position[1];
     block->z[lane] = position[2];
     map->ids[n] = (uint32_t)n;
-    for (int a = 0; a < 3; a++) {
-        map->carried[n].direction[a] = photon->direction[a];
-        map->carried[n].power[a] = photon->power[a];
-        map->max_power = fmax(map->max_power, (double)photon->power[a]);
-    }
+    pm__carry(map, n, photon);
+    for (int c = 0; c < 3; c++)
+        map->max_power = fmax(map->max_power, (double)photon->power[c]);
     map->count = n + 1;
     map->block_count = n / PM__LANES + 1;
 }

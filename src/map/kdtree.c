@@ -162,4 +162,4 @@ static size_t bytes(const pm_map *map, const void *index)
     return (map->count + 1) * sizeof(pm__node);
 }
 
-const pm__structure pm__structure_tree = {PM__KD_TREE, arrange, place, free, bytes, false, 16.0, 0.0};
+const pm__structure pm__structure_tree = {PM__KD_TREE, arrange, place, free, bytes, false, 16.0, 0.0, 0.0};

@@ -27,16 +27,23 @@ const pm__structure *pm__structure_of(pm__structure_id id)
     return NULL;
 }
 
-double pm__bytes_when_built(pm__structure_id id)
+static double size_carried(bool directions)
 {
-    const pm__structure *const structure = pm__structure_of(id);
-    return PM__MAP_BYTES + (structure ? structure->held : 0.0);
+    return (double)sizeof(float) * (directions ? PM__POWER_AND_DIRECTION : PM__POWER);
 }
 
-double pm__bytes_to_build(pm__structure_id id)
+double pm__bytes_when_built(pm__structure_id id, bool directions)
 {
     const pm__structure *const structure = pm__structure_of(id);
-    return pm__bytes_when_built(id) + (structure ? structure->building : 0.0);
+    const double held = structure ? structure->held - (directions ? 0.0 : structure->sides) : 0.0;
+    return PM__PLACE_BYTES + size_carried(directions) + held;
+}
+
+double pm__bytes_to_build(pm__structure_id id, bool directions)
+{
+    const pm__structure *const structure = pm__structure_of(id);
+    const double items = fmax(0.0, (double)sizeof(pm__item) - size_carried(directions)); /* see room_for_items */
+    return pm__bytes_when_built(id, directions) + items + (structure ? structure->building : 0.0);
 }
 
 static pm_status check_photons(const pm_photon *photons, size_t count, pm_error *error)
@@ -184,11 +191,9 @@ static void carried_task(void *argument, size_t chunk)
         if (i + AHEAD < map->count) /* the caller's order is any, so every photon is a cache miss */
             __builtin_prefetch(&f->photons[map->ids[i + AHEAD]]);
         const pm_photon *const p = &f->photons[map->ids[i]];
-        for (int a = 0; a < 3; a++) {
-            map->carried[i].direction[a] = p->direction[a];
-            map->carried[i].power[a] = p->power[a];
-            most = (double)p->power[a] > most ? (double)p->power[a] : most;
-        }
+        pm__carry(map, i, p);
+        for (int c = 0; c < 3; c++)
+            most = (double)p->power[c] > most ? (double)p->power[c] : most;
     }
     f->max_power[chunk] = most;
 }
@@ -207,12 +212,28 @@ static void fill_photons(filling *f, const pm_parallel *parallel)
     }
 }
 
+/* The items lie where what photons carry comes later, so that takes their room while the map is built. */
+static size_t room_for_items(const pm_map *map)
+{
+    const size_t carried = map->carried_size * sizeof *map->carried;
+    return carried > sizeof(pm__item) ? carried : sizeof(pm__item);
+}
+
+static void give_back(pm_map *map)
+{
+    const size_t carried = map->carried_size * sizeof *map->carried;
+    if (!map->count || room_for_items(map) == carried)
+        return;
+    float *const fitted = realloc(map->carried, map->count * carried);
+    map->carried = fitted ? fitted : map->carried;
+}
+
 static pm_status allocate(pm_map *map)
 {
     map->block_count = (map->count + PM__LANES - 1) / PM__LANES;
     map->blocks = pm__alloc(map->block_count, sizeof *map->blocks);
     map->ids = pm__alloc(map->count, sizeof *map->ids);
-    map->carried = pm__alloc(map->count, sizeof *map->carried);
+    map->carried = pm__alloc(map->count, room_for_items(map));
     return map->blocks && map->ids && map->carried ? PM_OK : PM_ENOMEM;
 }
 
@@ -242,9 +263,11 @@ static pm_status build(pm_map *map, const pm_photon *photons, const pm__structur
     if (f) {
         f->map = map;
         f->photons = photons;
-        f->items = (void *)map->carried; /* which is larger, and filled when the items are done with */
+        f->items = (void *)map->carried; /* filled when the items are done with */
         if (status == PM_OK)
             status = arrange(f, primary, options);
+        if (status == PM_OK)
+            give_back(map);
     }
     free(f);
     return status;
@@ -263,6 +286,7 @@ pm_status pm__map_build(const pm_photon *photons, size_t count, pm__structure_id
     created->simd = options->simd;
     created->search = options->search;
     created->split = options->split;
+    created->carried_size = options->no_directions ? PM__POWER : PM__POWER_AND_DIRECTION;
     status = build(created, photons, pm__structure_of(primary), options);
     if (status != PM_OK) {
         pm_map_destroy(created);
@@ -340,14 +364,15 @@ size_t pm_map_count(const pm_map *map)
 
 pm_photon pm_map_photon(const pm_map *map, uint32_t number)
 {
-    pm_photon photon;
+    pm_photon photon = {.direction = {0.0f, 0.0f, 0.0f}};
     float position[3];
     pm__position(map, number, position);
     for (int a = 0; a < 3; a++) {
         photon.position[a] = (float)((double)position[a] * map->unit + map->centre[a]);
-        photon.direction[a] = map->carried[number].direction[a];
-        photon.power[a] = map->carried[number].power[a];
+        photon.power[a] = pm__power(map, number)[a];
     }
+    if (pm__has_directions(map))
+        memcpy(photon.direction, pm__direction(map, number), sizeof photon.direction);
     return photon;
 }
 

@@ -22,11 +22,9 @@ typedef enum pm__structure_id {
     PM__STRUCTURES
 } pm__structure_id;
 
-/* What a photon carries beside its position; what asks for one mostly asks for both. */
-typedef struct pm__carried {
-    float direction[3];
-    float power[3]; /* W */
-} pm__carried;
+/* What a photon carries beside its position, in floats: its power, W, then its direction, for what asks for one mostly
+ * asks for both; or the power alone, where no directions are kept. */
+enum { PM__POWER = 3, PM__POWER_AND_DIRECTION = 6 };
 
 /* Invariants: photon `number` (0..count-1) is lane number % 16 of block number / 16; ids[number] is its index in the
  * caller's array, a permutation of 0..count-1. */
@@ -35,7 +33,8 @@ struct pm_map {
     size_t block_count;    /* ceil(count / 16) */
     pm__block *blocks;
     uint32_t *ids;
-    pm__carried *carried;  /* by number */
+    float *carried;        /* by number, carried_size each */
+    size_t carried_size;   /* PM__POWER or PM__POWER_AND_DIRECTION */
     double centre[3];      /* m */
     double unit;           /* m in a map unit: a power of two */
     double inverse_unit;
@@ -65,6 +64,34 @@ static inline void pm__position(const pm_map *map, size_t number, float position
     position[0] = block->x[number % PM__LANES];
     position[1] = block->y[number % PM__LANES];
     position[2] = block->z[number % PM__LANES];
+}
+
+static inline bool pm__has_directions(const pm_map *map)
+{
+    return map->carried_size == PM__POWER_AND_DIRECTION;
+}
+
+/* W. */
+static inline const float *pm__power(const pm_map *map, size_t number)
+{
+    return map->carried + number * map->carried_size;
+}
+
+/* Only of a map that has directions. */
+static inline const float *pm__direction(const pm_map *map, size_t number)
+{
+    return map->carried + number * map->carried_size + PM__POWER;
+}
+
+/* Takes what the map keeps of photon `number`. */
+static inline void pm__carry(const pm_map *map, size_t number, const pm_photon *photon)
+{
+    float *const carried = map->carried + number * map->carried_size;
+    for (int c = 0; c < 3; c++)
+        carried[c] = photon->power[c];
+    if (pm__has_directions(map))
+        for (int a = 0; a < 3; a++)
+            carried[PM__POWER + a] = photon->direction[a];
 }
 
 /* ---- the left-balanced kd-tree, PM__KD_TREE ------------------------------------------------------ */

@@ -221,7 +221,7 @@ static void facing_task(void *argument, size_t chunk)
     const facing_of *const f = argument;
     const size_t photons = NODES * FAN * PM__LANES, end = (chunk + 1) * photons;
     for (size_t i = chunk * photons; i < f->map->count && i < end; i++) {
-        const float *const w = f->map->carried[i].direction;
+        const float *const w = pm__direction(f->map, i);
         const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
         double d[3] = {(double)w[0], (double)w[1], (double)w[2]};
         if (!(square > 1e-30f && square < 1e30f))
@@ -236,6 +236,8 @@ static void facing_task(void *argument, size_t chunk)
 static pm_status place(const pm_map *map, void *index, const uint32_t *numbers, const pm_parallel *parallel)
 {
     (void)numbers;
+    if (!pm__has_directions(map))
+        return PM_OK;
     pm__wide *const wide = index;
     wide->facing = pm__alloc_zero(map->block_count, sizeof *wide->facing);
     if (!wide->facing)
@@ -263,10 +265,10 @@ static size_t bytes(const pm_map *map, const void *index)
     for (int t = 0; t < wide->levels; t++)
         nodes += wide->nodes[t];
     return nodes * sizeof(pm__boxes) + wide->hints.count * sizeof(pm__hint) +
-           map->block_count * (sizeof(pm__block) + sizeof(pm__facing));
+           map->block_count * (sizeof(pm__block) + (wide->facing ? sizeof(pm__facing) : 0));
 }
 
-const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true, 6.0, 0.0};
+const pm__structure pm__structure_wide = {PM__WIDE, arrange, place, destroy, bytes, true, 6.0, 0.0, 3.0};
 
 pm_status pm__wide_check(const pm_map *map, pm_error *error)
 {

@@ -43,7 +43,7 @@ typedef struct pm__wide {
     int levels;                        /* >= 1; the top one has one node */
     size_t nodes[PM__WIDE_LEVELS];
     pm__boxes *level[PM__WIDE_LEVELS]; /* level[0] owns the memory of all */
-    pm__facing *facing;                /* a block each */
+    pm__facing *facing;                /* a block each; NULL: the map has no directions */
     pm__hints hints;
 } pm__wide;
 

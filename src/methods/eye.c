@@ -26,7 +26,8 @@ void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *
                      .numbers = *numbers,
                      .shape = PM__NO_SHAPE,
                      .weight = {1.0, 1.0, 1.0},
-                     .sees_lights = true};
+                     .sees_lights = true,
+                     .sees_caustics = true};
     memcpy(eye->origin, origin, sizeof eye->origin);
     memcpy(eye->direction, direction, sizeof eye->direction);
 }
@@ -41,14 +42,13 @@ static void see_lights(pm__eye *eye, double reach)
         eye->emitted[b] += eye->weight[b] * radiance[b];
 }
 
-/* Beer's law over the way to the hit: of the medium on the side of the boundary that it comes to. */
+/* Beer's law over the way to the hit: as for photons. */
 static void absorb(pm__eye *eye)
 {
-    const pm__material *const material = eye->hit.material;
-    if (material->kind == PM__GLASS)
-        eye->absorption = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? material->absorption : material->outside;
-    for (int b = 0; eye->absorption && b < 3; b++)
-        eye->weight[b] *= exp(-eye->absorption[b] * eye->hit.distance);
+    if (eye->hit.material->kind == PM__GLASS)
+        eye->absorption = pm__medium_before(eye->hit.material, eye->hit.normal, eye->direction);
+    if (eye->absorption)
+        pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
 }
 
 static void depart(pm__eye *eye, const double outgoing[3])
@@ -66,7 +66,6 @@ static void cross_boundary(pm__eye *eye, bool front)
     const pm__material *const glass = eye->hit.material;
     for (int b = 0; b < 3; b++)
         eye->weight[b] *= front ? 1.0 / (glass->ior[b] * glass->ior[b]) : glass->ior[b] * glass->ior[b];
-    eye->absorption = front ? glass->absorption : glass->outside;
 }
 
 static bool scatter(pm__eye *eye)
@@ -79,6 +78,8 @@ static bool scatter(pm__eye *eye)
         return false;
     if (event == PM__TRANSMITTED)
         cross_boundary(eye, front);
+    if (eye->hit.material->kind == PM__GLASS)
+        eye->absorption = pm__medium_beyond(eye->hit.material, eye->hit.normal, outgoing);
     depart(eye, outgoing);
     return true;
 }
@@ -104,6 +105,7 @@ bool pm__eye_follow(pm__eye *eye)
         }
         if (!scatter(eye))
             return false;
+        eye->sees_lights = eye->sees_caustics;
     }
     return false;
 }

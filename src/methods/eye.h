@@ -21,6 +21,7 @@ typedef struct pm__eye {
     const double *absorption;       /* 1/m by band, of what it passes; NULL: nothing */
     double weight[3];               /* of what arrives along it, by band */
     bool sees_lights;               /* lights that it passes count: not where they were sampled already */
+    bool sees_caustics;             /* they count again once it has met a mirror or glass */
     double emitted[3];              /* what was seen of them, W/(m2 sr), weighted */
     double travelled;               /* m, along the last straight way */
     int bounces;
@@ -36,7 +37,8 @@ void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *
  * there is none. Radiance changes with the square of the index of refraction where a surface is crossed. */
 bool pm__eye_follow(pm__eye *eye);
 
-/* Off the rough surface, by its BRDF, which goes into the weight. false: absorbed. The way then sees no lights. */
+/* Off the rough surface, by its BRDF, which goes into the weight. false: absorbed. The way then sees no lights, before a
+ * mirror or glass at least. */
 bool pm__eye_bounce(pm__eye *eye);
 
 /* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light, weighted.

@@ -12,6 +12,7 @@ typedef struct pm__needs {
     bool projection; /* photons of the caustic map are sent where specular surfaces are */
     bool global;     /* full: indirect light */
     bool front;      /* lookups must refuse photons from behind */
+    bool directions; /* maps must keep the photons' directions */
     bool behind;     /* shadow rays even to lights that send nothing: --no-skip */
 } pm__needs;
 
@@ -44,6 +45,12 @@ typedef struct pm__sample {
 typedef struct pm__method {
     pm__entry entry;
     bool estimates; /* photon maps and estimators */
+    /* EINVAL: the method cannot do what is asked of it in this scene. NULL: it can. */
+    pm_status (*check)(const pm__render_job *job, pm_error *error);
+    /* Does the scene's exact answer cover what is shown? NULL: no. */
+    bool (*has_exact)(const pm__render_job *job);
+    /* Is all the light of the scene shown, so that a stored reference may judge the image? NULL: yes. */
+    bool (*shows_all)(const pm__render_job *job);
     /* Steps of the plan, and what follows from them. */
     void (*plan)(const pm__render_job *job, pm__plan *plan, pm__needs *needs);
     /* The maps of a trial. job: counts and times are added. NULL: none. */
@@ -55,6 +62,12 @@ typedef struct pm__method {
     void (*release)(void *state);
 } pm__method;
 
+/* Estimators of one render. */
+enum { PM__MOST_IMAGES = 64 };
+
+/* A tile is at most so many pixels wide and high. */
+enum { PM__TILE = 16, PM__TILE_PIXELS = PM__TILE * PM__TILE };
+
 static inline size_t pm__tile_pixels(const pm__tile *tile)
 {
     return (tile->x1 - tile->x0) * (tile->y1 - tile->y0);
@@ -63,12 +76,5 @@ static inline size_t pm__tile_pixels(const pm__tile *tile)
 /* An eye path through pixel `index` of the tile, row by row. trial: of the path's numbers; where the sample lies in the
  * pixel depends on the pass alone. */
 void pm__tile_eye(const pm__render_job *job, const pm__tile *tile, size_t index, uint32_t trial, pm__eye *eye);
-
-/* Wall clock, s, that only goes forward. */
-double pm__clock_s(void);
-
-/* plan.c: a step with a reason, as by printf. */
-void pm__plan_step(pm__plan *plan, bool done, const char *name, const char *why, ...)
-    __attribute__((format(printf, 4, 5)));
 
 #endif

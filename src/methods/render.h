@@ -43,6 +43,7 @@ typedef struct pm__render_images {
     pm__image bias, noise; /* over trials: mean - truth, standard deviation, over the mean truth (noise without a truth:
                               over the mean radiance) */
     pm__image radius, count; /* of the estimates: m, photons found; 0 where none was made */
+    double mean_error, rms_error; /* of the error, over all pixels whose truth is known; NAN where none is */
 } pm__render_images;
 
 typedef struct pm__render_result {
@@ -55,7 +56,6 @@ typedef struct pm__render_result {
     uint64_t emitted;       /* photons, of one trial, all maps */
     size_t stored;
     double trace_s, build_s, image_s, total_s; /* wall clock, first trial; total: all */
-    double mean_error, rms_error; /* of the first trial's first image over its pixels; NAN without a truth */
 } pm__render_result;
 
 extern const pm__catalogue pm__methods;

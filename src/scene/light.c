@@ -1,5 +1,6 @@
 #include "light.h"
 
+#include "../base/turn.h"
 #include "../base/vec3.h"
 
 static const double pi = 3.14159265358979323846;
@@ -14,9 +15,10 @@ static void cross(const double a[3], const double b[3], double out[3])
 /* z = 1 - below about `axis`; `below` rather than z, so that narrow cones keep their digits. */
 static void about(const double axis[3], double below, double turn, double direction[3])
 {
-    double s[3], t[3];
+    double s[3], t[3], sine, cosine;
     pm__basis(axis, s, t);
-    const double r = sqrt(below * (2.0 - below)), x = r * cos(2.0 * pi * turn), y = r * sin(2.0 * pi * turn);
+    pm__turn(turn, &sine, &cosine);
+    const double r = sqrt(below * (2.0 - below)), x = r * cosine, y = r * sine;
     for (int i = 0; i < 3; i++)
         direction[i] = x * s[i] + y * t[i] + (1.0 - below) * axis[i];
 }
@@ -36,9 +38,10 @@ static void copy(const double from[3], double to[3])
 
 static void on_disc(const pm__light *light, const double u[2], double position[3])
 {
-    double s[3], t[3];
+    double s[3], t[3], sine, cosine;
     pm__basis(light->direction, s, t);
-    const double r = light->radius * sqrt(u[1]), x = r * cos(2.0 * pi * u[0]), y = r * sin(2.0 * pi * u[0]);
+    pm__turn(u[0], &sine, &cosine);
+    const double r = light->radius * sqrt(u[1]), x = r * cosine, y = r * sine;
     for (int i = 0; i < 3; i++)
         position[i] = light->position[i] + x * s[i] + y * t[i];
 }
@@ -72,6 +75,8 @@ void pm__emit(const pm__light *light, const double u[4], double position[3], dou
         about(up, 2.0 * u[1], u[0], normal);
         for (int i = 0; i < 3; i++)
             position[i] += light->radius * normal[i];
+        for (int i = 0; i < 3 && light->inward; i++)
+            normal[i] = -normal[i];
         cosine_about(normal, u[2], u[3], direction);
         break;
     }
@@ -136,6 +141,8 @@ pm_status pm__light_check(const pm__light *light, pm_error *error)
         status = check_finite("position", light->position, error);
     if (status)
         return status;
+    if (light->inward && light->kind != PM__BALL)
+        return pm__fail(error, PM_EINVAL, "a light is inward, which only balls can be");
     switch (light->kind) {
     case PM__POINT:
         return PM_OK;

@@ -15,13 +15,16 @@
  * Sampled so: a facet by that density, then on with chance G'. Photons keep their power. */
 #include "material.h"
 
+#include "../base/turn.h"
+
 enum { BANDS = 3 };
 
 static const double pi = 3.14159265358979323846;
 
 static double largest(const double v[3])
 {
-    return fmax(v[0], fmax(v[1], v[2]));
+    const double larger = v[0] > v[1] ? v[0] : v[1];
+    return v[2] > larger ? v[2] : larger;
 }
 
 static double alpha_of(const pm__material *material)
@@ -43,10 +46,16 @@ double pm__fresnel(double cosine, double eta, double *refracted)
     return 0.5 * (s * s + p * p);
 }
 
-void pm__beer(const pm__material *material, double distance, double power[3])
+void pm__attenuate(const double absorption[3], double distance, double power[3])
 {
     for (int b = 0; b < BANDS; b++)
-        power[b] *= exp(-material->absorption[b] * distance);
+        if (absorption[b] > 0.0)
+            power[b] *= exp(-absorption[b] * distance);
+}
+
+void pm__beer(const pm__material *material, double distance, double power[3])
+{
+    pm__attenuate(material->absorption, distance, power);
 }
 
 /* ---- Glossy ---------------------------------------------------------------------------------- */
@@ -62,7 +71,7 @@ static double lobe(const double normal[3], const double in[3], const double out[
     double half[3], cross[3];
     for (int i = 0; i < 3; i++)
         half[i] = in[i] + out[i];
-    pm__normalize(half);
+    pm__normalize_near(half);
     /* 1 - t^2 by the cross product: alpha may be far below the rounding of t^2. */
     for (int i = 0; i < 3; i++)
         cross[i] = normal[(i + 1) % 3] * half[(i + 2) % 3] - normal[(i + 2) % 3] * half[(i + 1) % 3];
@@ -90,13 +99,15 @@ static void sample_facet(const double normal[3], const double from[3], double al
     pm__basis(normal, s, t);
     const double width = sqrt(alpha);
     double view[3] = {width * pm__dot(s, from), width * pm__dot(t, from), pm__dot(normal, from)};
-    pm__normalize(view);
+    pm__normalize_near(view);
     const double z = (1.0 - u1) * (1.0 + view[2]) - view[2];
-    const double r = sqrt(fmax(0.0, 1.0 - z * z)), phi = 2.0 * pi * u0;
-    const double x = width * (r * cos(phi) + view[0]), y = width * (r * sin(phi) + view[1]), h = z + view[2];
+    double sine, cosine;
+    pm__turn(u0, &sine, &cosine);
+    const double r = sqrt(fmax(0.0, 1.0 - z * z));
+    const double x = width * (r * cosine + view[0]), y = width * (r * sine + view[1]), h = z + view[2];
     for (int i = 0; i < 3; i++)
         facet[i] = x * s[i] + y * t[i] + h * normal[i];
-    pm__normalize(facet);
+    pm__normalize_near(facet);
 }
 
 void pm__material_brdf(const pm__material *material, const double normal[3], const double in[3], const double out[3],
@@ -124,14 +135,15 @@ static void mirrored(const double normal[3], const double incoming[3], double ou
     const double twice = 2.0 * pm__dot(normal, incoming);
     for (int i = 0; i < 3; i++)
         outgoing[i] = incoming[i] - twice * normal[i];
-    pm__normalize(outgoing);
+    pm__normalize_near(outgoing);
 }
 
 static void cosine_direction(const double normal[3], double u0, double u1, double outgoing[3])
 {
-    double s[3], t[3];
+    double s[3], t[3], sine, cosine;
     pm__basis(normal, s, t);
-    const double r = sqrt(u1), phi = 2.0 * pi * u0, x = r * cos(phi), y = r * sin(phi), z = sqrt(1.0 - u1);
+    pm__turn(u0, &sine, &cosine);
+    const double r = sqrt(u1), x = r * cosine, y = r * sine, z = sqrt(1.0 - u1);
     for (int i = 0; i < 3; i++)
         outgoing[i] = x * s[i] + y * t[i] + z * normal[i];
 }
@@ -152,7 +164,8 @@ static chances roulette(const double diffuse[3], const double specular[3], const
     }
     if (!(by_both > 0.0))
         return (chances){0.0, 0.0};
-    const double total = fmin(1.0, largest(on) / largest(power)), p = total * by_diffuse / by_both;
+    const double share = largest(on) / largest(power), total = share < 1.0 ? share : 1.0;
+    const double p = total * by_diffuse / by_both;
     return (chances){p, total - p};
 }
 
@@ -256,7 +269,7 @@ static pm__event scatter_glass(const pm__material *material, bool front, const d
     }
     for (int i = 0; i < 3; i++)
         outgoing[i] = incoming[i] / eta + (cosine / eta - far) * facing[i];
-    pm__normalize(outgoing);
+    pm__normalize_near(outgoing);
     return PM__TRANSMITTED;
 }
 
@@ -329,8 +342,10 @@ pm_status pm__material_check(const pm__material *material, pm_error *error)
     case PM__MIRROR:
         return check_bands("specular", material->specular, 0.0, 1.0, error);
     case PM__GLASS: {
-        const pm_status status = check_bands("ior", material->ior, 1e-3, 1e3, error);
-        return status ? status : check_bands("absorption", material->absorption, 0.0, 1e30, error);
+        pm_status status = check_bands("ior", material->ior, 1e-3, 1e3, error);
+        if (!status)
+            status = check_bands("absorption", material->absorption, 0.0, 1e30, error);
+        return status ? status : check_bands("outside", material->outside, 0.0, 1e30, error);
     }
     case PM__BLACK:
         return PM_OK;

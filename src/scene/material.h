@@ -49,6 +49,21 @@ pm__event pm__scatter(const pm__material *material, const double normal[3], cons
 
 /* Beer's law: what is left of the power, by band, after `distance` (m) inside the glass. */
 void pm__beer(const pm__material *material, double distance, double power[3]);
+/* The same for a medium of this absorption, 1/m by band. */
+void pm__attenuate(const double absorption[3], double distance, double power[3]);
+
+/* The absorption, 1/m by band, on the side of a glass boundary that `direction` points into. */
+static inline const double *pm__medium_beyond(const pm__material *glass, const double normal[3],
+                                              const double direction[3])
+{
+    return pm__dot(direction, normal) < 0.0 ? glass->absorption : glass->outside;
+}
+/* And on the side that it comes from. */
+static inline const double *pm__medium_before(const pm__material *glass, const double normal[3],
+                                              const double direction[3])
+{
+    return pm__dot(direction, normal) > 0.0 ? glass->absorption : glass->outside;
+}
 
 /* BRDF, 1/sr, for directions that point away from the surface, both on the same side of it: that of `normal`, or the
  * other (which has `back` for its albedo where the material is two-sided). 0 for mirror, glass and across the

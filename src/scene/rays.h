@@ -1,4 +1,5 @@
-/* What a scene holds, and how Embree comes to ask its exact shapes. For scene.c and rays.c alone. */
+/* What a scene holds, and how Embree comes to ask its exact shapes. For the sources of this folder, and for
+ * measuring what it costs beside Embree alone. */
 #ifndef PM_SCENE_RAYS_H
 #define PM_SCENE_RAYS_H
 
@@ -7,16 +8,39 @@
 
 #include <embree3/rtcore.h>
 
-/* One exact shape or one mesh: what Embree calls a geometry. */
+/* In the terms of a part: the ray's end lies on a shape, but on none of this part. No shape has this number. */
+#define PM__ELSEWHERE (PM__NO_SHAPE - 1)
+
+typedef struct pm__plane {
+    double normal[3], corner[3]; /* unit; m */
+} pm__plane;
+
+/* One exact shape, one mesh or one part where it is placed: what Embree calls a geometry. */
 typedef struct pm__geometry {
     const pm__scene *scene;
-    uint32_t first; /* the number of its first (or only) shape; triangle i of a mesh is first + i */
+    uint32_t first; /* the number of its first (or only) shape; shape i of a mesh or a part is first + i */
     uint32_t count;
     uint32_t material;
+    const pm__scene *part; /* NULL: not a part */
+    pm__placement placement;
+    double low[3], high[3]; /* the box about it, m */
     pm__shape shape;
-    const float (*vertices)[3]; /* Embree's; NULL for an exact shape */
+    pm__plane *planes; /* of the triangles of a mesh; NULL: it is none */
+    const float (*vertices)[3]; /* Embree's */
     const uint32_t (*triangles)[3];
+    size_t vertex_count;
 } pm__geometry;
+
+/* So many exact shapes are asked one by one: measured, Embree takes longer to find which of them to ask. */
+enum { PM__MOST_FEW = 16 };
+
+/* Planes, by component. */
+typedef struct pm__planes {
+    double corner[3][PM__MOST_FEW], normal[3][PM__MOST_FEW]; /* normals of those beyond count are 0 */
+    uint32_t number[PM__MOST_FEW];                           /* of the shape */
+    const pm__geometry *geometry[PM__MOST_FEW];
+    size_t count;
+} pm__planes;
 
 struct pm__scene {
     RTCDevice device;
@@ -24,17 +48,48 @@ struct pm__scene {
     pm__material *materials;
     pm__light *lights;
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
+    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones, and the others. */
+    pm__planes flat;
+    const pm__geometry *curved[PM__MOST_FEW];
+    size_t curved_count;
     size_t material_count, material_capacity, light_count, light_capacity, geometry_count, geometry_capacity;
     uint32_t shape_count;
+    pm__scene **parts;
+    size_t part_count, part_capacity;
+    const pm__scene *whole; /* of a part: the scene that it belongs to */
+    double smallest;        /* of a part: the least scale that it is placed with; 0: it is not placed, and open */
+    pm__object *objects;    /* known once committed */
+    size_t object_count;
     double low[3], high[3]; /* the box of all shapes, m */
     double extent;          /* the largest coordinate of that box, m; known once committed */
+    double rounding;        /* as extent, of the whole's box carried into this part: what positions are rounded to */
     bool committed;
 };
 
-/* The first corner and the unit normal of a triangle; false where its corners lie in line. */
-bool pm__triangle_plane(const float (*vertices)[3], const uint32_t triangle[3], double corner[3], double normal[3]);
+/* For more shapes: the box grows. */
+void pm__box_empty(double low[3], double high[3]);
+void pm__box_enclose(double low[3], double high[3], const double point[3]);
 
-/* Install what Embree calls for a mesh, or for an exact shape, whose user data is a pm__geometry. */
+/* Room for one more geometry of `count` shapes, checked; *made is not in the scene yet. */
+pm_status pm__geometry_create(pm__scene *scene, size_t count, pm__geometry **made, pm_error *error);
+/* Puts it, with its box, into the scene; takes `embree` over. */
+void pm__geometry_attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree);
+
+/* A scene on the device; the caller has filled nothing in. ENOMEM. */
+pm_status pm__scene_on(RTCDevice device, pm__scene **scene, pm_error *error);
+/* By a placement: points to the scene and back, directions (of length 1) likewise. */
+void pm__placed_point(const pm__placement *placement, const double point[3], double placed[3]);
+void pm__placed_direction(const pm__placement *placement, const double direction[3], double placed[3]);
+void pm__part_point(const pm__placement *placement, const double placed[3], double point[3]);
+void pm__part_direction(const pm__placement *placement, const double placed[3], double direction[3]);
+
+/* Lists the objects. ENOMEM. */
+pm_status pm__scene_list_objects(pm__scene *scene, pm_error *error);
+
+/* The plane of a triangle, through its first corner; false where its corners lie in line. */
+bool pm__triangle_plane(const float (*vertices)[3], const uint32_t triangle[3], pm__plane *plane);
+
+/* Install what Embree calls for a mesh, or for an exact shape or a placed part, whose user data is a pm__geometry. */
 void pm__rays_triangles(RTCGeometry embree);
 void pm__rays_shape(RTCGeometry embree);
 

@@ -6,6 +6,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Boxes ------------------------------------------------------------------------------------- */
+
+void pm__box_enclose(double low[3], double high[3], const double point[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = fmin(low[axis], point[axis]);
+        high[axis] = fmax(high[axis], point[axis]);
+    }
+}
+
+void pm__box_empty(double low[3], double high[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = INFINITY;
+        high[axis] = -INFINITY;
+    }
+}
+
 /* ---- Creation ---------------------------------------------------------------------------------- */
 
 static void ignore_error(void *context, enum RTCError code, const char *text)
@@ -26,20 +44,17 @@ static pm_status embree_status(const pm__scene *scene, pm_error *error)
     return pm__fail(error, PM_EINVAL, "Embree refuses the scene (its error %d)", (int)code);
 }
 
-pm_status pm__scene_create(pm__scene **scene, pm_error *error)
+pm_status pm__scene_on(RTCDevice device, pm__scene **scene, pm_error *error)
 {
     *scene = NULL;
     pm__scene *const made = calloc(1, sizeof *made);
     if (!made)
         return pm__fail(error, PM_ENOMEM, "out of memory for a scene");
-    for (int axis = 0; axis < 3; axis++) {
-        made->low[axis] = INFINITY;
-        made->high[axis] = -INFINITY;
-    }
-    made->device = rtcNewDevice("threads=1,verbose=0"); /* one thread is the caller's: none is started */
-    if (made->device) {
-        rtcSetDeviceErrorFunction(made->device, ignore_error, NULL);
-        made->rays = rtcNewScene(made->device);
+    pm__box_empty(made->low, made->high);
+    if (device) {
+        rtcRetainDevice(device);
+        made->device = device;
+        made->rays = rtcNewScene(device);
     }
     if (!made->rays) {
         pm__scene_destroy(made);
@@ -51,17 +66,38 @@ pm_status pm__scene_create(pm__scene **scene, pm_error *error)
     return PM_OK;
 }
 
+pm_status pm__scene_create(pm__scene **scene, pm_error *error)
+{
+    const RTCDevice device = rtcNewDevice("threads=1,verbose=0"); /* one thread is the caller's: none is started */
+    if (device)
+        rtcSetDeviceErrorFunction(device, ignore_error, NULL);
+    const pm_status status = pm__scene_on(device, scene, error);
+    if (device)
+        rtcReleaseDevice(device);
+    return status;
+}
+
+static void destroy_geometry(pm__geometry *geometry)
+{
+    free(geometry->planes);
+    free(geometry);
+}
+
 void pm__scene_destroy(pm__scene *scene)
 {
     if (!scene)
         return;
+    for (size_t i = 0; i < scene->part_count; i++)
+        pm__scene_destroy(scene->parts[i]);
+    free(scene->parts);
     if (scene->rays)
         rtcReleaseScene(scene->rays);
     if (scene->device)
         rtcReleaseDevice(scene->device);
     for (size_t i = 0; i < scene->geometry_count; i++)
-        free(scene->geometries[i]);
+        destroy_geometry(scene->geometries[i]);
     free(scene->geometries);
+    free(scene->objects);
     free(scene->materials);
     free(scene->lights);
     free(scene);
@@ -73,6 +109,8 @@ static pm_status check_open(const pm__scene *scene, pm_error *error)
 {
     if (scene->committed)
         return pm__fail(error, PM_EINVAL, "the scene is committed: nothing can be added");
+    if (scene->smallest > 0.0)
+        return pm__fail(error, PM_EINVAL, "the part has been placed: nothing can be added");
     return PM_OK;
 }
 
@@ -101,6 +139,8 @@ pm_status pm__scene_light(pm__scene *scene, const pm__light *light, pm_error *er
 {
     if (check_open(scene, error) != PM_OK)
         return PM_EINVAL;
+    if (scene->whole)
+        return pm__fail(error, PM_EINVAL, "a part of a scene has no lights of its own");
     const pm_status status = pm__light_check(light, error);
     if (status != PM_OK)
         return status;
@@ -133,23 +173,12 @@ void pm__scene_power(const pm__scene *scene, double power[3])
 
 /* ---- Geometries -------------------------------------------------------------------------------- */
 
-static void enclose(pm__scene *scene, const double low[3], const double high[3])
-{
-    for (int axis = 0; axis < 3; axis++) {
-        scene->low[axis] = fmin(scene->low[axis], low[axis]);
-        scene->high[axis] = fmax(scene->high[axis], high[axis]);
-    }
-}
-
-/* Room for one more geometry of `count` shapes, checked; *made is not in the scene yet. */
-static pm_status new_geometry(pm__scene *scene, uint32_t material, size_t count, pm__geometry **made, pm_error *error)
+pm_status pm__geometry_create(pm__scene *scene, size_t count, pm__geometry **made, pm_error *error)
 {
     if (check_open(scene, error) != PM_OK)
         return PM_EINVAL;
     const uint32_t number = scene->shape_count;
-    if (material >= scene->material_count)
-        return pm__fail(error, PM_EINVAL, "shape %u: there is no material %u", number, material);
-    if (count > PM__NO_SHAPE - number)
+    if (count > PM__ELSEWHERE - number)
         return pm__fail(error, PM_EINVAL, "shape %u: %zu more are too many", number, count);
     if (pm__grow((void **)&scene->geometries, &scene->geometry_capacity, scene->geometry_count + 1, sizeof *made))
         return no_memory(error);
@@ -159,12 +188,10 @@ static pm_status new_geometry(pm__scene *scene, uint32_t material, size_t count,
     (*made)->scene = scene;
     (*made)->first = number;
     (*made)->count = (uint32_t)count;
-    (*made)->material = material;
     return PM_OK;
 }
 
-/* Puts it into the scene; takes `embree` over. */
-static void attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree)
+void pm__geometry_attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree)
 {
     rtcSetGeometryUserData(embree, made);
     rtcCommitGeometry(embree);
@@ -172,10 +199,24 @@ static void attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree)
     rtcReleaseGeometry(embree);
     scene->geometries[scene->geometry_count++] = made;
     scene->shape_count += made->count;
+    pm__box_enclose(scene->low, scene->high, made->low);
+    pm__box_enclose(scene->low, scene->high, made->high);
 }
 
+/* Of shapes, that have a material. */
+static pm_status new_geometry(pm__scene *scene, uint32_t material, size_t count, pm__geometry **made, pm_error *error)
+{
+    if (material >= scene->material_count)
+        return pm__fail(error, PM_EINVAL, "shape %u: there is no material %u", scene->shape_count, material);
+    const pm_status status = pm__geometry_create(scene, count, made, error);
+    if (status == PM_OK)
+        (*made)->material = material;
+    return status;
+}
+
+/* Fills in the triangles' planes. */
 static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t vertex_count,
-                            const uint32_t (*triangles)[3], size_t triangle_count, pm_error *error)
+                            const uint32_t (*triangles)[3], size_t triangle_count, pm__plane *planes, pm_error *error)
 {
     for (size_t i = 0; i < vertex_count; i++)
         for (int axis = 0; axis < 3; axis++)
@@ -189,12 +230,20 @@ static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t v
         if (t[0] >= vertex_count || t[1] >= vertex_count || t[2] >= vertex_count)
             return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) names a vertex beyond %zu",
                             first, i, t[0], t[1], t[2], vertex_count);
-        double corner[3], normal[3];
-        if (!pm__triangle_plane(vertices, t, corner, normal))
+        if (!pm__triangle_plane(vertices, t, &planes[i]))
             return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) spans no area", first, i,
                             t[0], t[1], t[2]);
     }
     return PM_OK;
+}
+
+static void box_of(pm__geometry *made, const float (*vertices)[3], size_t count)
+{
+    pm__box_empty(made->low, made->high);
+    for (size_t i = 0; i < count; i++) {
+        const double corner[3] = {(double)vertices[i][0], (double)vertices[i][1], (double)vertices[i][2]};
+        pm__box_enclose(made->low, made->high, corner);
+    }
 }
 
 pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vertices)[3], size_t vertex_count,
@@ -204,12 +253,17 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
     if (vertex_count == 0 || triangle_count == 0)
         return pm__fail(error, PM_EINVAL, "shape %u (mesh): %zu vertices and %zu triangles", first, vertex_count,
                         triangle_count);
-    pm_status status = check_mesh(first, vertices, vertex_count, triangles, triangle_count, error);
     pm__geometry *made = NULL;
-    if (status == PM_OK)
-        status = new_geometry(scene, material, triangle_count, &made, error);
+    pm_status status = new_geometry(scene, material, triangle_count, &made, error);
     if (status != PM_OK)
         return status;
+    made->planes = pm__alloc(triangle_count, sizeof *made->planes);
+    status = made->planes ? check_mesh(first, vertices, vertex_count, triangles, triangle_count, made->planes, error)
+                          : no_memory(error);
+    if (status != PM_OK) {
+        destroy_geometry(made);
+        return status;
+    }
     const RTCGeometry embree = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float(*const v)[3] = rtcSetNewGeometryBuffer(embree, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof *v,
                                                  vertex_count);
@@ -217,7 +271,7 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
                                                     triangle_count);
     if (!v || !t) {
         rtcReleaseGeometry(embree);
-        free(made);
+        destroy_geometry(made);
         status = embree_status(scene, error);
         return status == PM_OK ? no_memory(error) : status;
     }
@@ -225,14 +279,10 @@ pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vert
     memcpy(t, triangles, triangle_count * sizeof *t);
     made->vertices = (const float(*)[3])v;
     made->triangles = (const uint32_t(*)[3])t;
+    made->vertex_count = vertex_count;
     pm__rays_triangles(embree);
-    attach(scene, made, embree);
-    for (size_t i = 0; i < vertex_count; i++) {
-        double corner[3];
-        for (int axis = 0; axis < 3; axis++)
-            corner[axis] = (double)vertices[i][axis];
-        enclose(scene, corner, corner);
-    }
+    box_of(made, vertices, vertex_count);
+    pm__geometry_attach(scene, made, embree);
     return PM_OK;
 }
 
@@ -252,10 +302,8 @@ static pm_status add_shape(pm__scene *scene, uint32_t material, const pm__shape 
     }
     made->shape = prepared;
     pm__rays_shape(embree);
-    attach(scene, made, embree);
-    double low[3], high[3];
-    pm__shape_bounds(&prepared, low, high);
-    enclose(scene, low, high);
+    pm__shape_bounds(&prepared, made->low, made->high);
+    pm__geometry_attach(scene, made, embree);
     return PM_OK;
 }
 
@@ -315,41 +363,67 @@ pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, dou
     return add_shape(scene, material, &shape, error);
 }
 
+static bool is_exact(const pm__geometry *geometry)
+{
+    return !geometry->planes && !geometry->part;
+}
+
+static void keep_flat(pm__planes *flat, const pm__geometry *geometry)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        flat->corner[axis][flat->count] = geometry->shape.centre[axis];
+        flat->normal[axis][flat->count] = geometry->shape.normal[axis];
+    }
+    flat->number[flat->count] = geometry->first;
+    flat->geometry[flat->count++] = geometry;
+}
+
+/* Takes exact shapes out of Embree, unless they are many. */
+static void keep_few(pm__scene *scene)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < scene->geometry_count; i++)
+        count += is_exact(scene->geometries[i]);
+    if (count > PM__MOST_FEW || scene->flat.count + scene->curved_count > 0)
+        return;
+    for (size_t i = 0; i < scene->geometry_count; i++) {
+        const pm__geometry *const geometry = scene->geometries[i];
+        if (!is_exact(geometry))
+            continue;
+        rtcDetachGeometry(scene->rays, (unsigned)i);
+        if (geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC)
+            keep_flat(&scene->flat, geometry);
+        else
+            scene->curved[scene->curved_count++] = geometry;
+    }
+}
+
+static pm_status build(pm__scene *scene, double rounding, pm_error *error)
+{
+    keep_few(scene);
+    for (int axis = 0; axis < 3; axis++)
+        scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
+    /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */
+    scene->extent = fmax(scene->extent, 0x1p-28 * rounding);
+    scene->rounding = fmax(rounding, scene->extent);
+    rtcCommitScene(scene->rays);
+    return embree_status(scene, error);
+}
+
 pm_status pm__scene_commit(pm__scene *scene, pm_error *error)
 {
+    if (scene->whole)
+        return pm__fail(error, PM_EINVAL, "a part is committed with its scene");
     if (check_open(scene, error) != PM_OK)
         return PM_EINVAL;
     if (scene->geometry_count == 0 || scene->light_count == 0)
         return pm__fail(error, PM_EINVAL, "the scene has no %s", scene->geometry_count ? "light" : "shape");
-    for (int axis = 0; axis < 3; axis++)
-        scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
-    rtcCommitScene(scene->rays);
-    const pm_status status = embree_status(scene, error);
+    pm_status status = build(scene, 0.0, error);
+    for (size_t i = 0; i < scene->part_count && status == PM_OK; i++)
+        if (scene->parts[i]->smallest > 0.0)
+            status = build(scene->parts[i], scene->extent / scene->parts[i]->smallest, error);
+    if (status == PM_OK)
+        status = pm__scene_list_objects(scene, error);
     scene->committed = status == PM_OK;
     return status;
-}
-
-size_t pm__scene_object_count(const pm__scene *scene)
-{
-    return scene->geometry_count;
-}
-
-pm__object pm__scene_object(const pm__scene *scene, size_t index)
-{
-    const pm__geometry *const geometry = scene->geometries[index];
-    pm__object object = {.material = &scene->materials[geometry->material]};
-    if (!geometry->vertices) {
-        pm__shape_bounds(&geometry->shape, object.low, object.high);
-        return object;
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        object.low[axis] = INFINITY;
-        object.high[axis] = -INFINITY;
-        for (size_t i = 0; i < 3 * (size_t)geometry->count; i++) {
-            const double at = (double)geometry->vertices[geometry->triangles[i / 3][i % 3]][axis];
-            object.low[axis] = fmin(object.low[axis], at);
-            object.high[axis] = fmax(object.high[axis], at);
-        }
-    }
-    return object;
 }

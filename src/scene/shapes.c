@@ -221,7 +221,10 @@ static int round_roots(const pm__shape *shape, const pm__ray *ray, const double 
     double off[3];
     for (int axis = 0; axis < 3; axis++)
         off[axis] = to_centre[axis] - along * direction[axis];
-    const double miss = sqrt(pm__dot(off, off));
+    const double square = pm__dot(off, off);
+    if (square > 1.001 * shape->radius * shape->radius) /* beyond doubt, and the most frequent answer */
+        return 0;
+    const double miss = sqrt(square);
     const double discriminant = (shape->radius - miss) * (shape->radius + miss);
     if (!(discriminant >= 0.0))
         return 0;
@@ -229,8 +232,8 @@ static int round_roots(const pm__shape *shape, const pm__ray *ray, const double 
     const double from_centre = sqrt(pm__dot(to_centre, to_centre));
     const double product = (from_centre - shape->radius) * (from_centre + shape->radius);
     const double other = far != 0.0 ? product / far : 0.0;
-    roots[0] = fmin(far, other);
-    roots[1] = fmax(far, other);
+    roots[0] = far < other ? far : other;
+    roots[1] = far < other ? other : far;
     return 2;
 }
 
@@ -252,7 +255,7 @@ static bool meet_cylinder(const pm__shape *shape, const pm__ray *ray, double *di
 {
     double plan[3] = {ray->direction[0], ray->direction[1], 0.0}, roots[2];
     const double to_axis[3] = {shape->centre[0] - ray->origin[0], shape->centre[1] - ray->origin[1], 0.0};
-    const double speed = pm__normalize(plan); /* of the ray as seen from above */
+    const double speed = pm__normalize_near(plan); /* of the ray as seen from above */
     if (!(speed > 0.0))
         return false;
     const int count = round_roots(shape, ray, to_axis, plan, ray->reach * speed, roots);
@@ -273,7 +276,7 @@ static bool meet_cylinder(const pm__shape *shape, const pm__ray *ray, double *di
 static bool flat_covers(const pm__shape *shape, const double offset[3])
 {
     if (shape->kind == PM__SHAPE_DISC)
-        return sqrt(pm__dot(offset, offset)) <= shape->radius + shape->slack;
+        return pm__dot(offset, offset) <= (shape->radius + shape->slack) * (shape->radius + shape->slack);
     for (int i = 0; i < 2; i++) {
         const double along = pm__dot(shape->dual[i], offset), margin = shape->margin[i];
         if (!(along >= -margin && along <= 1.0 + margin))
@@ -285,13 +288,12 @@ static bool flat_covers(const pm__shape *shape, const double offset[3])
 /* A line meets a plane once: a way that starts or ends on it never does in between. */
 static bool meet_flat(const pm__shape *shape, const pm__ray *ray, double *distance)
 {
-    const double cosine = pm__dot(shape->normal, ray->direction);
-    if (ray->leaves || ray->arrives || cosine == 0.0)
+    if (ray->leaves || ray->arrives)
         return false;
     double offset[3];
     for (int axis = 0; axis < 3; axis++)
         offset[axis] = ray->origin[axis] - shape->centre[axis];
-    const double t = -pm__dot(shape->normal, offset) / cosine;
+    const double t = -pm__dot(shape->normal, offset) / pm__dot(shape->normal, ray->direction);
     if (!(t > 0.0 && t <= ray->reach))
         return false;
     for (int axis = 0; axis < 3; axis++)
@@ -353,8 +355,9 @@ static void clip(double origin, double direction, double half, double *low, doub
         return;
     }
     const double a = (-half - origin) / direction, b = (half - origin) / direction;
-    *low = fmax(*low, fmin(a, b));
-    *high = fmin(*high, fmax(a, b));
+    const double near = a < b ? a : b, far = a < b ? b : a;
+    *low = near > *low ? near : *low;
+    *high = far < *high ? far : *high;
 }
 
 static double root_between(profile *p, double low, double high, double at_low, double at_high)
@@ -432,7 +435,7 @@ static void settle_round(const pm__shape *shape, double position[3], double norm
     const int axes = shape->kind == PM__SHAPE_SPHERE ? 3 : 2;
     for (int axis = 0; axis < 3; axis++)
         normal[axis] = axis < axes ? position[axis] - shape->centre[axis] : 0.0;
-    (void)pm__normalize(normal);
+    (void)pm__normalize_near(normal);
     for (int axis = 0; axis < axes; axis++)
         position[axis] = shape->centre[axis] + shape->radius * normal[axis];
     for (int axis = 0; axis < axes && shape->inward; axis++)

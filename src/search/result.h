@@ -34,7 +34,7 @@ static inline float pm__measure(const pm__query *query, const float position[3])
 /* Did photon `number` arrive at the front ([C02] 2.1.3)? */
 static inline bool pm__in_front(const pm_map *map, const pm__query *query, size_t number)
 {
-    const float *const w = map->carried[number].direction, *const n = query->normal;
+    const float *const w = pm__direction(map, number), *const n = query->normal;
     return w[0] * n[0] + w[1] * n[1] + w[2] * n[2] < 0.0f;
 }
 

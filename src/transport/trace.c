@@ -8,7 +8,7 @@ typedef struct carrier {
     uint64_t number;
     double position[3], direction[3], power[3];
     uint32_t shape;             /* that it stands on */
-    const pm__material *medium; /* the glass that it is in; NULL: none */
+    const double *absorption;   /* 1/m by band, of the medium that it was last known to be in; NULL: none yet */
     pm__places places;
 } carrier;
 
@@ -17,6 +17,7 @@ typedef struct job {
     const pm__trace_config *config;
     const pm__emission *emission;
     pm__store store;
+    pm__watch watch; /* NULL: nobody does */
     void *context;
 } job;
 
@@ -57,14 +58,14 @@ static bool is_over(const job *work, const carrier *photon)
     return work->config->paths && pm__paths_dead(work->config->paths, photon->places);
 }
 
-/* Beer's law over the way to the surface. A photon that comes to a glass boundary from within was in that glass, also
- * where a light stands inside. */
+/* Beer's law over the way to the surface. A glass boundary says what lies before it, also to a photon whose light is
+ * inside; elsewhere the medium is that beyond the boundary left last. */
 static void absorb(carrier *photon, const pm__hit *hit)
 {
-    const bool within = hit->material->kind == PM__GLASS && pm__dot(photon->direction, hit->normal) > 0.0;
-    const pm__material *const medium = within ? hit->material : photon->medium;
-    if (medium)
-        pm__beer(medium, hit->distance, photon->power);
+    if (hit->material->kind == PM__GLASS)
+        photon->absorption = pm__medium_before(hit->material, hit->normal, photon->direction);
+    if (photon->absorption)
+        pm__attenuate(photon->absorption, hit->distance, photon->power);
 }
 
 /* false: the receiver wants no more. */
@@ -82,14 +83,13 @@ static bool deposit(const job *work, const carrier *photon, const pm__hit *hit)
 }
 
 /* Off the surface, or false where the photon ends. */
-static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int count)
+static bool bounce(carrier *photon, const pm__hit *hit, const double u[3])
 {
-    double u[3], outgoing[3];
-    pm__trace_uniform(work->config->seed, work->config->trial, photon->number, 2 + (uint32_t)count, u);
+    double outgoing[3];
     if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
         return false;
     if (hit->material->kind == PM__GLASS)
-        photon->medium = pm__dot(outgoing, hit->normal) < 0.0 ? hit->material : NULL;
+        photon->absorption = pm__medium_beyond(hit->material, hit->normal, outgoing);
     for (int i = 0; i < 3; i++) {
         photon->position[i] = hit->position[i];
         photon->direction[i] = outgoing[i];
@@ -99,6 +99,14 @@ static bool bounce(const job *work, carrier *photon, const pm__hit *hit, int cou
     return sum(photon->power) < FLT_MAX;
 }
 
+/* false: it meets nothing. */
+static bool fly(const job *work, const carrier *photon, pm__hit *hit)
+{
+    if (work->watch)
+        work->watch(work->context, photon->position, photon->direction, photon->shape);
+    return pm__scene_intersect(work->config->scene, photon->position, photon->direction, INFINITY, photon->shape, hit);
+}
+
 static bool trace_photon(const job *work, uint64_t number)
 {
     carrier photon;
@@ -106,29 +114,40 @@ static bool trace_photon(const job *work, uint64_t number)
         return true;
     note(work, &photon, 'L');
     for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
+        double u[3];
         pm__hit hit;
-        if (!pm__scene_intersect(work->config->scene, photon.position, photon.direction, INFINITY, photon.shape,
-                                 &hit) ||
-            hit.material->kind == PM__BLACK)
+        /* Drawn before it is known whether they serve: the processor does that while it waits for the ray. */
+        pm__trace_uniform(work->config->seed, work->config->trial, number, 2 + (uint32_t)count, u);
+        if (!fly(work, &photon, &hit) || hit.material->kind == PM__BLACK)
             break;
         absorb(&photon, &hit);
         const bool rough = pm__is_rough(hit.material);
         note(work, &photon, rough ? 'D' : 'S');
         if (rough && is_wanted(work, &photon) && !deposit(work, &photon, &hit))
             return false;
-        if (is_over(work, &photon) || !bounce(work, &photon, &hit, count))
+        if (is_over(work, &photon) || !bounce(&photon, &hit, u))
             break;
     }
     return true;
 }
 
-uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
+                           pm__watch watch, void *context)
 {
     pm__emission independent;
     pm__emission_init(config->scene, NULL, PM__ALL_LIGHTS, config->seed, config->trial, &independent);
-    const job work = {config, config->emission ? config->emission : &independent, store, context};
+    const job work = {.config = config,
+                      .emission = config->emission ? config->emission : &independent,
+                      .store = store,
+                      .watch = watch,
+                      .context = context};
     for (uint64_t i = 0; i < count; i++)
         if (!trace_photon(&work, first + i))
             return i + 1;
     return count;
+}
+
+uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)
+{
+    return pm__trace_watched(config, first, count, store, NULL, context);
 }

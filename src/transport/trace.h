@@ -46,4 +46,10 @@ typedef struct pm__trace_config {
  * power; each photon carries the total power by band of its light over the chance of that light. */
 uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context);
 
+/* The same, and `watch` is called (with the same context) for each ray before it is answered, in the order of tracing.
+ * from: as pm__scene_intersect has it. */
+typedef void (*pm__watch)(void *context, const double origin[3], const double direction[3], uint32_t from);
+uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
+                           pm__watch watch, void *context);
+
 #endif

@@ -11,13 +11,12 @@ END_TEST
 START_TEST(overview)
 {
     const char *const out = pm__expect("help", 0, NULL)->out;
-    const char *const names[] = {"accuracy", "estimate", "compare", "list", "help"};
+    const char *const names[] = {"accuracy", "search", "render", "estimate", "compare", "list", "help"};
     char line[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(line, sizeof line, "\n  %s ", names[i]);
         ck_assert_msg(strstr(out, line) != NULL, "no %s in: %s", names[i], out);
     }
-    ck_assert_ptr_null(strstr(out, "\n  render"));
     char *const copy = strdup(out);
     ck_assert_str_eq(pm__expect("--help", 0, NULL)->out, copy);
     free(copy);
@@ -37,7 +36,7 @@ static void check_width(const char *text)
 
 START_TEST(help_of_commands)
 {
-    const char *const names[] = {"accuracy", "estimate", "compare", "list", "help"};
+    const char *const names[] = {"accuracy", "search", "render", "estimate", "compare", "list", "help"};
     char arguments[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(arguments, sizeof arguments, "help %s", names[i]);
@@ -57,7 +56,20 @@ START_TEST(list_of_everything)
     const char *const out = pm__expect("list", 0, NULL)->out;
     const char *const parts[] = {"Estimators", "Searches",         "Cases",           "Samplers",
                                  "\n  disc ",  "\n  point-light ", "\n  brute ",      "\n  sobol ",
-                                 "k=1.1 (",    "full|half|none",   "region interior:"};
+                                 "k=1.1 (",    "full|half|none",   "region interior:", "Methods",
+                                 "\n  visualize "};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        ck_assert_msg(strstr(out, parts[i]) != NULL, "no '%s' in: %.2000s", parts[i], out);
+    check_width(out);
+}
+END_TEST
+
+/* Which scenes have an exact answer, and of what light. */
+START_TEST(list_of_scenes)
+{
+    const char *const out = pm__expect("list scenes", 0, NULL)->out;
+    const char *const parts[] = {"Scenes   --case scene:NAME", "\n  scene:furnace ",
+                                 "exact answer: of light paths LSSD"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         ck_assert_msg(strstr(out, parts[i]) != NULL, "no '%s' in: %.2000s", parts[i], out);
     check_width(out);
@@ -94,11 +106,11 @@ static const struct {
     const char *arguments, *message;
 } usage_errors[] = {
     {"acuracy", "unknown command 'acuracy'; did you mean 'accuracy'?"},
-    {"render", "unknown command 'render'"},
+    {"rendre", "unknown command 'rendre'; did you mean 'render'?"},
     {"--verison", "did you mean '--version'?"},
     {"help acuracy", "did you mean 'accuracy'?"},
     {"list estimator", "did you mean 'estimators'?"},
-    {"list methods", "no list 'methods'"},
+    {"list method", "did you mean 'methods'?"},
     {"list estimators cases", "unexpected argument 'cases'"},
     {"accuracy --estimater disc", "unknown option '--estimater'; did you mean '--estimator'?"},
     {"accuracy --seconds 5", "unknown option '--seconds'"},
@@ -209,5 +221,5 @@ START_TEST(output_file)
 }
 END_TEST
 
-PM_TEST_MAIN("cli", version, overview, help_of_commands, list_of_everything, list_as_json, list_as_tables,
-             every_usage_error, standard_output_fails, output_file)
+PM_TEST_MAIN("cli", version, overview, help_of_commands, list_of_everything, list_of_scenes, list_as_json,
+             list_as_tables, every_usage_error, standard_output_fails, output_file)

@@ -5,13 +5,14 @@
 #include "../../cases/case.h"
 #include "../../estimators/estimator.h"
 #include "../../src/base/sampler.h"
+#include "../../src/methods/render.h"
 #include "../../src/search/search.h"
 
 enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 
 static const char *const page_paths[] = {"README.md",        "docs/accuracy.md", "docs/search.md",  "docs/compare.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
-                                         "docs/scenes.md"};
+                                         "docs/scenes.md",   "docs/render.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -54,8 +55,9 @@ static bool is_mentioned(const char *name)
 
 START_TEST(everything_listed_is_mentioned)
 {
-    const pm__catalogue *const all[] = {&pm__estimators, &pm__all_cases, &pm__searches, &pm__samplers};
-    for (int c = 0; c < 4; c++)
+    const pm__catalogue *const all[] = {&pm__estimators, &pm__all_cases, &pm__searches, &pm__samplers,
+                                        &pm__methods};
+    for (int c = 0; c < 5; c++)
         for (size_t i = 0; i < all[c]->count; i++)
             ck_assert_msg(is_mentioned(all[c]->entries[i]->name), "no page mentions the %s %s", all[c]->kind,
                           all[c]->entries[i]->name);
@@ -65,8 +67,8 @@ END_TEST
 /* Each option that help shows has its row in the command's page. */
 START_TEST(options_are_documented)
 {
-    static const char *const commands[] = {"accuracy", "search", "compare", "estimate", "list"};
-    for (int c = 0; c < 5; c++) {
+    static const char *const commands[] = {"accuracy", "search", "render", "compare", "estimate", "list"};
+    for (int c = 0; c < 6; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
         (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
@@ -102,6 +104,9 @@ START_TEST(fields_are_documented)
     check_fields("accuracy --case square --estimator disc --k 5 --photons 100 --trials 2 --probes 4 --json -",
                  "docs/accuracy.md");
     check_fields("search --search recursive --photons 100 --k 5 --samples 2 --json -", "docs/search.md");
+    check_fields("render water --size 4x4 --spp 1 --photons 1000 --k 10 --quiet --json - -o /dev/null",
+                 "docs/render.md");
+    check_fields("render water --plan --json -", "docs/render.md");
     check_fields("list cases --json -", "docs/list.md");
 }
 END_TEST

@@ -83,7 +83,7 @@ static void check_forms(const pm__catalogue *catalogue, const pm__spec *spec)
 
 START_TEST(specs)
 {
-    const pm__catalogue *const catalogues[] = {&pm__estimators, &pm__cases, &pm__samplers};
+    const pm__catalogue *const catalogues[] = {&pm__estimators, &pm__all_cases, &pm__samplers};
     size_t taken = 0;
     for (uint64_t i = 0; i < SPECS; i++) {
         dice d = {i, 0};

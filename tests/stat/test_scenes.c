@@ -12,10 +12,14 @@
 
 enum { PHOTONS = 20000, TRIALS = 24, ALL_PROBES = 128, REGION_PROBES = 48 };
 
-static const double radius = 0.06;
+/* m: of the lookups. The light of the prism is narrow. */
+static double radius_for(const pm__case *c)
+{
+    return strcmp(c->entry.name, "scene:prism") == 0 ? 0.015 : 0.06;
+}
 
 /* Mean of the truth over the disc about a probe, in polar cells of equal area. */
-static double disc_mean(const pm__job *job, const pm__probe *probe)
+static double disc_mean(const pm__job *job, const pm__probe *probe, double radius)
 {
     enum { RINGS = 10, ANGLES = 24 };
     double s[3], t[3], sum = 0.0;
@@ -31,7 +35,28 @@ static double disc_mean(const pm__job *job, const pm__probe *probe)
     return sum / (RINGS * ANGLES);
 }
 
-static double estimate(const pm__photon_set *set, const pm__probe *probe)
+/* What a lookup without a filter is to find: the truth's mean; next to another lit surface, also what is on that. */
+static double expectation(const pm__job *job, const pm__probe *probe, double radius)
+{
+    static const pm__shape open = {PM_LOOKUP_SPHERE, 0.0, false};
+    const char *const name = job->subject->entry.name;
+    if (strcmp(name, "scene:corner") && strcmp(name, "scene:wall"))
+        return disc_mean(job, probe, radius);
+    return job->subject->mass(job->values, probe, &open, 0.0, radius) / (3.141592653589793 * radius * radius);
+}
+
+/* A photon's share in what is asked for: its power in red, for radiance times the BRDF. */
+static double worth(const pm__job *job, const pm_photon *photon, const pm__probe *probe)
+{
+    double along[3], value[3] = {1.0, 1.0, 1.0};
+    for (int a = 0; a < 3; a++)
+        along[a] = (double)photon->direction[a];
+    if (job->subject->brdf)
+        job->subject->brdf(job->values, along, probe->outgoing, value);
+    return (double)photon->power[0] * value[0];
+}
+
+static double estimate(const pm__job *job, const pm__photon_set *set, const pm__probe *probe, double radius)
 {
     double sum = 0.0;
     for (size_t i = 0; i < set->count; i++) {
@@ -41,7 +66,7 @@ static double estimate(const pm__photon_set *set, const pm__probe *probe)
             square += d * d;
         }
         if (square <= radius * radius)
-            sum += (double)set->photons[i].power[0];
+            sum += worth(job, &set->photons[i], probe);
     }
     return sum / (3.141592653589793 * radius * radius);
 }
@@ -50,13 +75,14 @@ static double estimate(const pm__photon_set *set, const pm__probe *probe)
 static double deviation(const pm__job *job, size_t region, const pm__photon_set drawn[TRIALS])
 {
     const size_t first = job->first[region], end = job->first[region + 1];
+    const double radius = radius_for(job->subject);
     double expected = 0.0, mean = 0.0, square = 0.0;
     for (size_t q = first; q < end; q++)
-        expected += disc_mean(job, &job->probes[q]);
+        expected += expectation(job, &job->probes[q], radius);
     for (size_t trial = 0; trial < TRIALS; trial++) {
         double sum = 0.0;
         for (size_t q = first; q < end; q++)
-            sum += estimate(&drawn[trial], &job->probes[q]);
+            sum += estimate(job, &drawn[trial], &job->probes[q], radius);
         mean += sum / TRIALS;
         square += sum * sum / TRIALS;
     }
@@ -66,10 +92,11 @@ static double deviation(const pm__job *job, size_t region, const pm__photon_set 
     return excess / error;
 }
 
-/* Regions across folds and about foci have truths that no quadrature of so few points can average. */
+/* Regions across folds and steps and about foci have truths that no quadrature of so few points can average. */
 static bool is_smooth(const char *region)
 {
-    return strcmp(region, "fold") != 0 && strcmp(region, "cusp") != 0 && strcmp(region, "core") != 0;
+    return strcmp(region, "fold") != 0 && strcmp(region, "cusp") != 0 && strcmp(region, "core") != 0 &&
+           strcmp(region, "edge") != 0;
 }
 
 static void check_scene(const pm__entry *entry)
@@ -80,6 +107,8 @@ static void check_scene(const pm__entry *entry)
     PM_CHECK_OK(pm__spec_parse(&pm__estimators, "disc", &estimator, &error), error);
     PM_CHECK_OK(pm__spec_parse(&pm__samplers, "poisson", &sampler, &error), error);
     pm__spec_default(entry, &subject);
+    if (!((const pm__case *)(const void *)entry)->truth)
+        return;
     const pm__accuracy_config config = {
         .cases = &subject, .case_count = 1, .estimators = &estimator, .estimator_count = 1, .ks = ks, .k_count = 1,
         .photons = &photons, .photon_count = 1, .samplers = &sampler, .sampler_count = 1, .trials = TRIALS,
@@ -104,7 +133,8 @@ static void check_scene(const pm__entry *entry)
 START_TEST(photons_are_where_the_truth_is)
 {
     for (size_t i = 0; i < pm__scene_cases.count; i++)
-        check_scene(pm__scene_cases.entries[i]);
+        if (((const pm__case *)(const void *)pm__scene_cases.entries[i])->truth)
+            check_scene(pm__scene_cases.entries[i]);
 }
 END_TEST
 
@@ -113,14 +143,18 @@ END_TEST
 START_TEST(estimates_follow_their_law)
 {
     static const size_t ks[] = {15, 40};
-    const bench_run run = {.cases = "scene:integrating-sphere,scene:glass-sphere,scene:nephroid,scene:cardioid,"
-                                    "scene:plate,scene:water,scene:pool",
+    const bench_run run = {.cases = "scene:furnace,scene:integrating-sphere,scene:point-light,scene:rect-light,"
+                                    "scene:corner,scene:wall,scene:glossy-plane,scene:glossy-plane:form=printed,"
+                                    "scene:glass-sphere,scene:nephroid,scene:cardioid,scene:plate,scene:water,"
+                                    "scene:pool,scene:prism,scene:prism:dispersion=0",
                            .estimators = "disc,disc:last=none,cone,epanechnikov", .ks = ks, .k_count = 2,
                            .photons = 20000, .trials = 30, .probes = 80, .seed = 106};
     pm__accuracy_row *rows;
     const size_t count = run_bench(&run, &rows), predicted = check_rows(rows, count);
-    /* 4 kernels and 2 k in: sphere 1, glass 3, nephroid 2, cardioid 1, plate 3, water 3, pool 3 */
-    ck_assert_msg(predicted >= 16 * 8, "only %zu of %zu rows have a prediction", predicted, count);
+    /* 4 kernels and 2 k in: spheres 1, lamps 3, corner and wall 3, glossy 1, glass 3, nephroid 2, cardioid 1, plate 3,
+     * water 3, pool 3, prism 2 */
+    const size_t least = (2 + 6 + 6 + 2 + 15 + 4) * 8;
+    ck_assert_msg(predicted >= least, "only %zu of %zu rows have a prediction", predicted, count);
     free(rows);
 }
 END_TEST

@@ -122,15 +122,16 @@ START_TEST(test_rectangle)
 }
 END_TEST
 
-START_TEST(test_ball)
+/* sign: of the side that shines. */
+static void check_ball(bool inward, double sign)
 {
-    const pm__light light = {.kind = PM__BALL, .position = {0.0, 1.0, 0.0}, .radius = 0.5};
+    const pm__light light = {.kind = PM__BALL, .position = {0.0, 1.0, 0.0}, .radius = 0.5, .inward = inward};
     unsigned heights[100] = {0}, cosines[100] = {0}, ways[100] = {0};
     for (uint64_t i = 0; i < SAMPLES; i++) {
         const ray r = emit(&light, i);
         const double normal[3] = {2.0 * r.position[0], 2.0 * (r.position[1] - 1.0), 2.0 * r.position[2]};
         PM_CHECK_NEAR(pm__dot(normal, normal), 1.0, 1e-14);
-        const double cosine = pm__dot(normal, r.direction);
+        const double cosine = sign * pm__dot(normal, r.direction);
         ck_assert(cosine > 0.0);
         heights[bin(0.5 + 0.5 * normal[1])]++;
         cosines[bin(cosine * cosine)]++;
@@ -139,6 +140,12 @@ START_TEST(test_ball)
     check_uniform("height", heights);
     check_uniform("squared cosine", cosines);
     check_uniform("way", ways);
+}
+
+START_TEST(test_ball)
+{
+    check_ball(false, 1.0);
+    check_ball(true, -1.0);
 }
 END_TEST
 
@@ -178,6 +185,11 @@ START_TEST(test_refusals)
     bad.kind = PM__BALL;
     bad.radius = -1.0;
     check_refused(bad, "radius");
+    bad.radius = 1.0;
+    bad.inward = true;
+    PM_CHECK_OK(pm__light_check(&bad, &error), error);
+    bad.kind = PM__POINT;
+    check_refused(bad, "inward");
     bad = good;
     bad.kind = PM__RECTANGLE;
     bad.edge[1][0] = 3.0;

@@ -377,21 +377,32 @@ END_TEST
 
 START_TEST(test_refusals)
 {
+    static const struct {
+        pm__material material;
+        const char *text;
+    } cases[] = {
+        {{.kind = PM__DIFFUSE, .diffuse = {0.5, 1.25, 0.5}}, "diffuse[1] is 1.25, not within 0 and 1"},
+        {{.kind = PM__DIFFUSE, .diffuse = {NAN, 0.5, 0.5}}, "diffuse[0] is nan"},
+        {{.kind = PM__DIFFUSE, .two_sided = true, .back = {0.5, 0.5, 2.0}}, "back[2] is 2"},
+        {{.kind = PM__MIRROR, .specular = {1.0, 1.0, 1.5}}, "specular[2] is 1.5"},
+        {{.kind = PM__GLOSSY, .diffuse = {0.5, 0.5, 0.5}, .specular = {0.6, 0.6, 0.6}}, "diffuse and specular add up"},
+        {{.kind = PM__GLOSSY, .two_sided = true, .back = {0.5}, .specular = {0.6}}, "back and specular add up"},
+        {{.kind = PM__GLOSSY, .diffuse = {-0.1, 0.5, 0.5}}, "diffuse[0] is -0.1"},
+        {{.kind = PM__GLOSSY, .roughness = NAN}, "roughness is nan"},
+        {{.kind = PM__GLOSSY, .roughness = 1.5}, "roughness is 1.5"},
+        {{.kind = PM__GLASS, .ior = {1.5, 1.5, 0.0}}, "ior[2] is 0"},
+        {{.kind = PM__GLASS, .ior = {1.5, 1.5, 1.5}, .absorption = {0.0, INFINITY, 0.0}}, "absorption[1] is inf"},
+        {{.kind = PM__GLASS, .ior = {1.5, 1.5, 1.5}, .outside = {0.0, 0.0, -1.0}}, "outside[2] is -1"},
+        {{.kind = PM__GLASS, .ior = {1.5, 1.5, 1.5}, .outside = {NAN, 0.0, 0.0}}, "outside[0] is nan"},
+        {{.kind = (pm__material_kind)17}, "kind is 17"},
+    };
     pm_error error;
-    pm__material material = glossy(0.5, 0.6, 0.1);
-    ck_assert_int_eq(pm__material_check(&material, &error), PM_EINVAL);
-    ck_assert_ptr_nonnull(strstr(error.text, "add up"));
-    material = glossy(0.5, 0.5, NAN);
-    ck_assert_int_eq(pm__material_check(&material, &error), PM_EINVAL);
-    material = glossy(-0.1, 0.5, 0.1);
-    ck_assert_int_eq(pm__material_check(&material, &error), PM_EINVAL);
-    material = (pm__material){.kind = PM__GLASS, .ior = {1.5, 1.5, 0.0}};
-    ck_assert_int_eq(pm__material_check(&material, &error), PM_EINVAL);
-    ck_assert_ptr_nonnull(strstr(error.text, "ior[2]"));
-    material = (pm__material){.kind = PM__GLASS, .ior = {1.5, 1.5, 1.5}, .absorption = {0.0, INFINITY, 0.0}};
-    ck_assert_int_eq(pm__material_check(&material, &error), PM_EINVAL);
-    material = glossy(0.2, 0.8, 0.1);
-    PM_CHECK_OK(pm__material_check(&material, &error), error);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ck_assert_int_eq(pm__material_check(&cases[i].material, &error), PM_EINVAL);
+        ck_assert_msg(strstr(error.text, cases[i].text) != NULL, "%zu: \"%s\"", i, error.text);
+    }
+    const pm__material good = glossy(0.2, 0.8, 0.1);
+    PM_CHECK_OK(pm__material_check(&good, &error), error);
 }
 END_TEST
 

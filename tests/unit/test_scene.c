@@ -327,6 +327,8 @@ START_TEST(test_refusals)
         {{.kind = PM__SHAPE_WAVE, .amplitude = 0.1, .wavenumber = 2.0, .extent = {1.0, 0.0}}, "extent"},
     };
     static const float v[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}}, bad[3][3] = {{0, 0, NAN}};
+    static const float far[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, INFINITY, 0}};
+    static const float point[3][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     static const uint32_t good[1][3] = {{0, 1, 2}}, flat[2][3] = {{0, 1, 2}, {0, 1, 3}}, wild[1][3] = {{0, 1, 4}};
     pm__scene *const scene = new_scene();
     pm_error error;
@@ -338,16 +340,44 @@ START_TEST(test_refusals)
     check_refused(pm__scene_mesh(scene, 0, v, 4, flat, 2, &error), &error, "triangle 1 (0, 1, 3) spans no area");
     check_refused(pm__scene_mesh(scene, 0, v, 4, wild, 1, &error), &error, "triangle 0 (0, 1, 4) names a vertex");
     check_refused(pm__scene_mesh(scene, 0, bad, 3, good, 1, &error), &error, "vertex 0 (0, 0, nan)");
-    check_refused(pm__scene_mesh(scene, 0, v, 4, good, 0, &error), &error, "0 triangles");
+    check_refused(pm__scene_mesh(scene, 0, far, 3, good, 1, &error), &error, "vertex 2 (0, inf, 0)");
+    check_refused(pm__scene_mesh(scene, 0, point, 3, good, 1, &error), &error, "triangle 0 (0, 1, 2) spans no area");
+    check_refused(pm__scene_mesh(scene, 0, v, 4, good, 0, &error), &error, "4 vertices and 0 triangles");
+    check_refused(pm__scene_mesh(scene, 0, v, 0, good, 1, &error), &error, "0 vertices and 1 triangles");
+    check_refused(pm__scene_mesh(scene, 7, v, 4, good, 1, &error), &error, "shape 1: there is no material 7");
     pm__material material = {.kind = PM__DIFFUSE, .diffuse = {0.5, NAN, 0.5}};
     uint32_t index;
     check_refused(pm__scene_material(scene, &material, &index, &error), &error, "material 1: ");
+    material.diffuse[1] = 1.5;
+    check_refused(pm__scene_material(scene, &material, &index, &error), &error, "diffuse[1] is 1.5");
+    const pm__light dark = {.kind = PM__POINT}, wild_light = {.kind = PM__POINT, .power = {1.0, NAN, 1.0}};
+    check_refused(pm__scene_light(scene, &dark, &error), &error, "adds up to 0");
+    check_refused(pm__scene_light(scene, &wild_light, &error), &error, "power[1] is nan");
+    ck_assert_uint_eq(pm__scene_light_count(scene), 1); /* what was refused has left no trace */
     PM_CHECK_OK(pm__scene_commit(scene, &error), error);
     check_refused(pm__scene_sphere(scene, 0, (double[3]){0}, 1.0, false, &error), &error, "committed");
     pm__hit hit;
     ck_assert(!pm__scene_intersect(scene, (double[3]){NAN, 0, 0}, (double[3]){0, 0, 1}, 1.0, PM__NO_SHAPE, &hit));
     pm__scene_destroy(scene);
     pm__scene_destroy(NULL);
+}
+END_TEST
+
+/* A scene without light is refused at the end, and can still be given one. */
+START_TEST(test_no_light)
+{
+    pm__scene *scene;
+    pm_error error;
+    uint32_t material;
+    pm__hit hit;
+    PM_CHECK_OK(pm__scene_create(&scene, &error), error);
+    PM_CHECK_OK(pm__scene_material(scene, &black, &material, &error), error);
+    PM_CHECK_OK(pm__scene_sphere(scene, 0, (double[3]){0}, 1.0, false, &error), error);
+    check_refused(pm__scene_commit(scene, &error), &error, "the scene has no light");
+    PM_CHECK_OK(pm__scene_light(scene, &lamp, &error), error);
+    PM_CHECK_OK(pm__scene_commit(scene, &error), error);
+    ck_assert(pm__scene_intersect(scene, (double[3]){0}, (double[3]){0, 0, 1}, 2.0, PM__NO_SHAPE, &hit));
+    pm__scene_destroy(scene);
 }
 END_TEST
 
@@ -394,4 +424,5 @@ START_TEST(test_threads)
 END_TEST
 
 PM_TEST_MAIN("scene", test_nearest_of_many, test_blocked, test_blocked_by_itself, test_box_of_triangles,
-             test_nearer_than_float, test_oblique_sheets, test_refusals, test_threads)
+             test_nearer_than_float, test_oblique_sheets, test_refusals, test_no_light,
+             test_threads)

@@ -1,0 +1,113 @@
+/* The Cornell box with water in it. The water's surface is a mesh of 20000 triangles, waves along two directions; its
+ * rim lies in the walls' very planes, so that light comes in by the surface alone. In front, where the box is open, the
+ * water ends in an upright face of the same mesh: the same vertices, so no gap between them. Elsewhere the walls bound
+ * it: they are met from within the water, without a boundary. */
+#include "room.h"
+
+#include "../../src/scene/revolve.h"
+
+#include <string.h>
+
+enum { LEVEL, WAVES, ABSORPTION, CELLS = 100, SIDE = CELLS + 1 };
+
+static const double pi = 3.14159265358979323846, ior = 1.33;
+
+static const pm__param params[] = {
+    {.name = "level", .type = PM__REAL, .value = 0.35, .min = 0.1, .max = 0.85, .unit = "m",
+     .help = "mean height of the water's surface; the box is 1 m high"},
+    {.name = "waves", .type = PM__REAL, .value = 0.01, .min = 0.0, .max = 0.02, .unit = "m",
+     .help = "amplitude of each of two waves across one another"},
+    {.name = "absorption", .type = PM__REAL, .value = 0.2, .min = 0.0, .max = 10.0, .unit = "1/m",
+     .help = "of blue light in the water; red is absorbed four times, green twice as much"},
+};
+
+/* Both waves stand off the walls at an angle, as if the water had been stirred. */
+static double surface(const double *values, double x, double y)
+{
+    return values[LEVEL] + values[WAVES] * (cos(2.0 * pi * (2.6 * x + 1.1 * y) + 0.4) +
+                                            cos(2.0 * pi * (-1.3 * x + 2.9 * y) + 1.3));
+}
+
+static void set_vertices(const double *values, pm__mesh *mesh)
+{
+    for (size_t j = 0; j < SIDE; j++)
+        for (size_t i = 0; i < SIDE; i++) {
+            const double x = ((double)i / CELLS - 0.5) * 2.0 * PM__CORNELL_HALF;
+            const double y = ((double)j / CELLS - 0.5) * 2.0 * PM__CORNELL_HALF;
+            const float at[3] = {(float)x, (float)y, (float)surface(values, x, y)};
+            memcpy(mesh->vertices[j * SIDE + i], at, sizeof at);
+            if (j == 0) { /* and below it on the floor, for the face in front */
+                const float foot[3] = {(float)x, (float)y, 0.0f};
+                memcpy(mesh->vertices[SIDE * SIDE + i], foot, sizeof foot);
+            }
+        }
+}
+
+/* a, b, c, d counterclockwise from the side that the normal points to. */
+static void add_cell(pm__mesh *mesh, size_t *next, size_t a, size_t b, size_t c, size_t d)
+{
+    const uint32_t both[2][3] = {{(uint32_t)a, (uint32_t)b, (uint32_t)c}, {(uint32_t)a, (uint32_t)c, (uint32_t)d}};
+    memcpy(mesh->triangles[*next], both, sizeof both);
+    *next += 2;
+}
+
+static void set_triangles(pm__mesh *mesh)
+{
+    size_t next = 0;
+    for (size_t j = 0; j < CELLS; j++)
+        for (size_t i = 0; i < CELLS; i++) {
+            const size_t at = j * SIDE + i;
+            add_cell(mesh, &next, at, at + 1, at + SIDE + 1, at + SIDE);
+        }
+    for (size_t i = 0; i < CELLS; i++) {
+        const size_t foot = SIDE * SIDE + i;
+        add_cell(mesh, &next, foot, foot + 1, i + 1, i);
+    }
+}
+
+static pm_status add_water(const double *values, pm__scene *scene, pm_error *error)
+{
+    const double a = values[ABSORPTION];
+    const pm__material water = {.kind = PM__GLASS, .ior = {ior, ior, ior}, .absorption = {4.0 * a, 2.0 * a, a}};
+    uint32_t material;
+    pm__mesh mesh;
+    pm_status status = pm__scene_material(scene, &water, &material, error);
+    if (!status)
+        status = pm__mesh_create(SIDE * SIDE + SIDE, 2 * CELLS * CELLS + 2 * CELLS, &mesh, error);
+    if (status)
+        return status;
+    set_vertices(values, &mesh);
+    set_triangles(&mesh);
+    status = pm__scene_mesh(scene, material, (const float(*)[3])mesh.vertices, mesh.vertex_count,
+                            (const uint32_t(*)[3])mesh.triangles, mesh.triangle_count, error);
+    pm__mesh_free(&mesh);
+    return status;
+}
+
+static pm_status build(const double *values, pm__scene *scene, pm_error *error)
+{
+    const pm__room room = pm__cornell_room(0.75);
+    pm_status status = pm__room_walls(scene, &room, error);
+    if (!status)
+        status = add_water(values, scene, error);
+    return status ? status : pm__cornell_lamp(scene, 0.2, 12.0, error);
+}
+
+static void view(const double *values, pm__view *from)
+{
+    (void)values;
+    pm__cornell_view(from);
+}
+
+const pm__case pm__case_scene_cornell_water = {
+    .entry = {.name = "scene:cornell-water",
+              .summary = "Cornell box half full of water with waves",
+              .citation = "course 43, Fig. 2.23",
+              .params = params,
+              .param_count = 3},
+    .dimensions = 2,
+    .sample_dimensions = 4,
+    .strata_dimensions = 2,
+    .build = build,
+    .view = view,
+};

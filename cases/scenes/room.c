@@ -1,0 +1,139 @@
+#include "room.h"
+
+#include <string.h>
+
+/* A flat wall from its corner. cross(u, v) points inward. */
+typedef struct wall {
+    double corner[3], u[3], v[3];
+} wall;
+
+static pm_status add_wall(pm__scene *scene, uint32_t material, const wall *w, pm_error *error)
+{
+    return pm__scene_rectangle(scene, material, w->corner, w->u, w->v, error);
+}
+
+pm__room pm__cornell_room(double albedo)
+{
+    const double dim = 0.2 * albedo;
+    return (pm__room){.half = {PM__CORNELL_HALF, PM__CORNELL_HALF},
+                      .height = PM__CORNELL_HEIGHT,
+                      .white = {albedo, albedo, albedo},
+                      .left = {albedo, dim, dim},
+                      .right = {dim, dim, albedo},
+                      .open = true};
+}
+
+void pm__cornell_view(pm__view *view)
+{
+    const double away = 1.44;
+    *view = (pm__view){.eye = {0, -PM__CORNELL_HALF - away, PM__CORNELL_HALF},
+                       .at = {0, 0, PM__CORNELL_HALF},
+                       .up = {0, 0, 1},
+                       .angle = 2.0 * atan(PM__CORNELL_HALF / away)};
+}
+
+/* A lamp in the very plane of the ceiling would leave it to rounding which of the two a ray meets. */
+static const double below_ceiling = 1e-3;
+
+pm_status pm__cornell_lamp(pm__scene *scene, double half, double watts, pm_error *error)
+{
+    const double centre[3] = {0, 0, PM__CORNELL_HEIGHT - below_ceiling}, power[3] = {watts, watts, watts};
+    return pm__room_lamp(scene, centre, half, power, error);
+}
+
+pm_status pm__diffuse_material(pm__scene *scene, const double albedo[3], uint32_t *index, pm_error *error)
+{
+    pm__material material = {.kind = PM__DIFFUSE};
+    memcpy(material.diffuse, albedo, sizeof material.diffuse);
+    return pm__scene_material(scene, &material, index, error);
+}
+
+pm_status pm__mirror_material(pm__scene *scene, uint32_t *index, pm_error *error)
+{
+    const pm__material material = {.kind = PM__MIRROR, .specular = {1, 1, 1}};
+    return pm__scene_material(scene, &material, index, error);
+}
+
+pm_status pm__glass_material(pm__scene *scene, double ior, uint32_t *index, pm_error *error)
+{
+    const pm__material material = {.kind = PM__GLASS, .ior = {ior, ior, ior}};
+    return pm__scene_material(scene, &material, index, error);
+}
+
+pm_status pm__cornell_spheres(pm__scene *scene, double ior, double moved, pm_error *error)
+{
+    /* m; were they to touch the floor, rounding would decide what is met first */
+    const double radius = 0.18, above_floor = 1e-4;
+    const double left[3] = {-0.24, 0.2, radius + above_floor}, right[3] = {0.24, -0.16 + moved, radius + above_floor};
+    uint32_t mirror, glass;
+    pm_status status = pm__mirror_material(scene, &mirror, error);
+    if (!status)
+        status = pm__glass_material(scene, ior, &glass, error);
+    if (!status)
+        status = pm__scene_sphere(scene, mirror, left, radius, false, error);
+    return status ? status : pm__scene_sphere(scene, glass, right, radius, false, error);
+}
+
+/* The ceiling as four strips around its hole, or whole. */
+static pm_status add_ceiling(pm__scene *scene, uint32_t material, const pm__room *room, pm_error *error)
+{
+    const double a = room->half[0], b = room->half[1], h = room->height, s = room->skylight;
+    const wall whole = {{-a, -b, h}, {0, 2 * b, 0}, {2 * a, 0, 0}};
+    const wall strips[] = {{{-a, -b, h}, {0, 2 * b, 0}, {a - s, 0, 0}}, {{s, -b, h}, {0, 2 * b, 0}, {a - s, 0, 0}},
+                           {{-s, -b, h}, {0, b - s, 0}, {2 * s, 0, 0}}, {{-s, s, h}, {0, b - s, 0}, {2 * s, 0, 0}}};
+    if (!(s > 0.0))
+        return add_wall(scene, material, &whole, error);
+    pm_status status = PM_OK;
+    for (int i = 0; i < 4 && !status; i++)
+        status = add_wall(scene, material, &strips[i], error);
+    return status;
+}
+
+pm_status pm__room_walls(pm__scene *scene, const pm__room *room, pm_error *error)
+{
+    const double a = room->half[0], b = room->half[1], h = room->height;
+    const wall ground = {{-a, -b, 0}, {2 * a, 0, 0}, {0, 2 * b, 0}}, back = {{-a, b, 0}, {2 * a, 0, 0}, {0, 0, h}};
+    const wall front = {{-a, -b, 0}, {0, 0, h}, {2 * a, 0, 0}}, left = {{-a, -b, 0}, {0, 2 * b, 0}, {0, 0, h}};
+    const wall right = {{a, -b, 0}, {0, 0, h}, {0, 2 * b, 0}};
+    uint32_t white, on_left, on_right;
+    pm_status status = pm__diffuse_material(scene, room->white, &white, error);
+    if (!status)
+        status = pm__diffuse_material(scene, room->left, &on_left, error);
+    if (!status)
+        status = pm__diffuse_material(scene, room->right, &on_right, error);
+    if (!status && !room->no_floor)
+        status = add_wall(scene, white, &ground, error);
+    if (!status)
+        status = add_ceiling(scene, white, room, error);
+    if (!status)
+        status = add_wall(scene, white, &back, error);
+    if (!status && !room->open)
+        status = add_wall(scene, white, &front, error);
+    if (!status)
+        status = add_wall(scene, on_left, &left, error);
+    return status ? status : add_wall(scene, on_right, &right, error);
+}
+
+pm_status pm__room_block(pm__scene *scene, uint32_t material, const double centre[2], double half, double height,
+                         double turn, pm_error *error)
+{
+    const double x = half * cos(turn), y = half * sin(turn);
+    const double ring[4][2] = {{x + y, y - x}, {x - y, y + x}, {-x - y, x - y}, {y - x, -x - y}};
+    const wall top = {{centre[0] + ring[3][0], centre[1] + ring[3][1], height}, {2 * x, 2 * y, 0}, {-2 * y, 2 * x, 0}};
+    pm_status status = add_wall(scene, material, &top, error);
+    for (int i = 0; i < 4 && !status; i++) { /* counterclockwise from above, so cross(along, up) points outward */
+        const double *const p = ring[i], *const q = ring[(i + 1) % 4];
+        const wall side = {{centre[0] + p[0], centre[1] + p[1], 0}, {q[0] - p[0], q[1] - p[1], 0}, {0, 0, height}};
+        status = add_wall(scene, material, &side, error);
+    }
+    return status;
+}
+
+pm_status pm__room_lamp(pm__scene *scene, const double centre[3], double half, const double power[3], pm_error *error)
+{
+    const pm__light light = {.kind = PM__RECTANGLE,
+                             .power = {power[0], power[1], power[2]},
+                             .position = {centre[0] - half, centre[1] - half, centre[2]},
+                             .edge = {{0, 2 * half, 0}, {2 * half, 0, 0}}};
+    return pm__scene_light(scene, &light, error);
+}

@@ -1,0 +1,3 @@
+/* Every stored reference, one row each, on lines of their own: for X(NAME) the files NAME.exr and NAME.error.exr of
+ * cases/scenes/references become part of the program, as the reference of the scene of that name (with - for _). */
+#define PM__REFERENCE_LIST(X)

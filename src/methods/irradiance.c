@@ -1,0 +1,144 @@
+#include "irradiance.h"
+
+#include "../base/memory.h"
+#include "../base/parallel.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+enum { BLOCK = 256 };
+
+typedef struct work {
+    pm__irradiance *irradiance;
+    _Atomic int failure;
+} work;
+
+static void keep(pm__irradiance *irradiance, size_t image, size_t carrier, const double value[3])
+{
+    float *const to = irradiance->values[image * irradiance->carriers.count + carrier];
+    for (int b = 0; b < 3; b++)
+        to[b] = (float)value[b];
+}
+
+/* On the neighbours in the workspace. A degenerate set is black. */
+static pm_status evaluate(pm__irradiance *irradiance, const pm__spec *spec, const pm_query *query, size_t image,
+                          size_t carrier, pm_workspace *workspace)
+{
+    const pm__lookup lookup = {.sets = workspace->sets,
+                               .set_count = 1,
+                               .dimensions = 2,
+                               .normal = {query->normal[0], query->normal[1], query->normal[2]},
+                               .unit = pm_map_unit(irradiance->maps->map)};
+    double value[3];
+    const pm_status status = pm__evaluate(spec, &lookup, workspace, value);
+    if (status != PM_OK && status != PM_EDEGENERATE)
+        return status;
+    keep(irradiance, image, carrier, value);
+    return PM_OK;
+}
+
+static void leave_out(uint32_t number, pm_neighbor *neighbors, size_t *count)
+{
+    for (size_t i = 0; i < *count; i++)
+        if (neighbors[i].number == number) {
+            neighbors[i] = neighbors[--*count];
+            return;
+        }
+    /* Others share its place, and it came last. */
+    size_t farthest = 0;
+    for (size_t i = 1; i < *count; i++)
+        if (neighbors[i].distance2 > neighbors[farthest].distance2)
+            farthest = i;
+    if (*count)
+        neighbors[farthest] = neighbors[--*count];
+}
+
+/* All estimators at one photon, from its k + 1 nearest. */
+static pm_status compute(pm__irradiance *irradiance, const pm_query *query, pm_neighbor *neighbors, size_t count,
+                         size_t carrier, pm_workspace *workspace)
+{
+    const pm__render_job *const job = irradiance->job;
+    const pm_map *const map = irradiance->maps->map;
+    const pm__gathering gathering = {NULL, pm_map_unit(map), true, true};
+    pm_query others = *query;
+    others.k = job->config->k;
+    leave_out(irradiance->carriers.number[carrier], neighbors, &count);
+    pm_status status = pm__gather_found(map, &others, neighbors, count, &gathering, workspace);
+    if (status != PM_OK)
+        return status;
+    pm__point_sets(workspace, 1, true);
+    irradiance->radius[carrier] = (float)(sqrt(workspace->sets[0].radius2) * gathering.unit);
+    for (size_t i = 0; i < job->images && status == PM_OK; i++)
+        status = evaluate(irradiance, &job->config->estimators[i]->spec, query, i, carrier, workspace);
+    return status;
+}
+
+static pm_status compute_block(pm__irradiance *irradiance, size_t first, size_t count, pm__maps_scratch *scratch)
+{
+    const size_t k = irradiance->job->config->k;
+    const pm_map *const map = irradiance->maps->map;
+    static const double nowhere[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
+    pm_query model = pm__maps_query(irradiance->job, nowhere, up);
+    model.k = k ? k + 1 : 0;
+    for (size_t i = 0; i < count; i++)
+        scratch->queries[i] = pm__carrier_query(&irradiance->carriers, map, &model, first + i);
+    pm_status status =
+        pm_map_search_batch(map, scratch->queries, count, scratch->neighbors, k + 1, scratch->counts);
+    for (size_t i = 0; i < count && status == PM_OK; i++)
+        status = compute(irradiance, &scratch->queries[i], scratch->neighbors + i * (k + 1), scratch->counts[i],
+                         first + i, scratch->workspace);
+    return status;
+}
+
+static void run_block(void *argument, size_t block)
+{
+    work *const w = argument;
+    pm__irradiance *const irradiance = w->irradiance;
+    const size_t first = block * BLOCK, rest = irradiance->carriers.count - first;
+    pm__maps_scratch scratch;
+    pm_status status = pm__maps_scratch_create(BLOCK, irradiance->job->config->k + 1, &scratch);
+    if (status == PM_OK)
+        status = compute_block(irradiance, first, rest < BLOCK ? rest : BLOCK, &scratch);
+    pm__maps_scratch_destroy(&scratch);
+    if (status != PM_OK)
+        atomic_store(&w->failure, (int)status);
+}
+
+pm_status pm__irradiance_create(const pm__render_job *job, const pm__maps *maps, double fraction,
+                                pm__irradiance *irradiance, pm_error *error)
+{
+    *irradiance = (pm__irradiance){.job = job, .maps = maps};
+    pm_status status = pm__carriers_create(&irradiance->carriers, maps->map, fraction,
+                                           (const float(*)[3])maps->normals, job->config->parallel);
+    const size_t count = irradiance->carriers.count;
+    irradiance->values = pm__alloc_zero(count * job->images, sizeof *irradiance->values);
+    irradiance->radius = pm__alloc_zero(count, sizeof *irradiance->radius);
+    if (status == PM_OK && irradiance->values && irradiance->radius) {
+        work w = {irradiance, PM_OK};
+        pm__for(job->config->parallel, (count + BLOCK - 1) / BLOCK, run_block, &w);
+        status = (pm_status)atomic_load(&w.failure);
+    } else if (status == PM_OK) {
+        status = PM_ENOMEM;
+    }
+    if (status == PM_OK)
+        return PM_OK;
+    pm__irradiance_destroy(irradiance);
+    return pm__fail(error, status, "irradiance at photons: %s", pm_status_text(status));
+}
+
+void pm__irradiance_destroy(pm__irradiance *irradiance)
+{
+    pm__carriers_destroy(&irradiance->carriers);
+    free(irradiance->values);
+    free(irradiance->radius);
+    *irradiance = (pm__irradiance){0};
+}
+
+pm_status pm__irradiance_find(const pm__irradiance *irradiance, const pm__eye *eye, pm_workspace *workspace,
+                              size_t *carrier)
+{
+    pm_query query = pm__maps_query(irradiance->job, eye->hit.position, eye->facing);
+    query.max_radius = INFINITY;
+    return pm__nearest_carrier(&irradiance->carriers, &query, workspace, carrier);
+}

@@ -1,0 +1,61 @@
+/* Photon maps of one kind of light paths, and every estimator's radiance from them where eye paths end. */
+#ifndef PM_METHODS_MAPS_H
+#define PM_METHODS_MAPS_H
+
+#include "../lookup/lookup.h"
+#include "method.h"
+
+/* What one estimator has beside the map that all share. */
+typedef struct pm__own_maps {
+    pm_map **dealt; /* of estimators that combine maps; else NULL */
+    size_t count;
+    pm_precomputed *precomputed;
+} pm__own_maps;
+
+typedef struct pm__maps {
+    const pm__render_job *job;
+    pm_map *map;
+    pm__own_maps *own;   /* [job->images] */
+    float (*normals)[3]; /* of the photons, in the order in which they were stored; NULL unless asked for */
+    bool sorted, offsets; /* what the estimators that share the map need */
+    size_t shared;        /* how many those are */
+} pm__maps;
+
+typedef struct pm__maps_wish {
+    const char *paths;
+    size_t photons;
+    bool emitted;   /* so many are emitted, however few are stored; else stored */
+    bool specular;  /* photons are sent where specular surfaces are */
+    bool normals;
+    bool estimates; /* each estimator gets what it needs beside the map */
+    uint32_t trial;
+    uint32_t stream; /* 0 or 1: two kinds of maps of one trial are independent */
+} pm__maps_wish;
+
+/* Traces and builds; adds to job's counts and times. EINVAL: no such photon is ever stored; ENOMEM; ECANCELED. Where
+ * nothing is specular no photon is, and `specular` gives an empty map. On error all is released. */
+pm_status pm__maps_create(pm__render_job *job, const pm__maps_wish *wish, pm__maps *maps, pm_error *error);
+void pm__maps_destroy(pm__maps *maps); /* an empty one is allowed */
+
+/* Working memory for one thread: so many points at once, so many neighbours each. */
+typedef struct pm__maps_scratch {
+    pm_workspace *workspace;
+    pm_query *queries;
+    pm_neighbor *neighbors;
+    size_t *counts, *which;
+} pm__maps_scratch;
+pm_status pm__maps_scratch_create(size_t points, size_t neighbors, pm__maps_scratch *scratch);
+void pm__maps_scratch_destroy(pm__maps_scratch *scratch);
+
+/* The query at a point on a surface, as the command line asks for it. */
+pm_query pm__maps_query(const pm__render_job *job, const double position[3], const double normal[3]);
+
+/* For each point reached (eyes[i], where reached[i]), each estimator's reflected radiance from the map, weighted, is
+ * added to samples[image * stride + i], which keeps the estimate's radius and photons. */
+pm_status pm__maps_estimate(const pm__maps *maps, const pm__eye *eyes, const bool *reached, size_t count,
+                            pm__maps_scratch *scratch, pm__sample *samples, size_t stride);
+
+/* BRDF, 1/sr, of a surface that scatters alike in all directions; false: it does not. */
+bool pm__is_even(const pm__eye *eye, double value[3]);
+
+#endif

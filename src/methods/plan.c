@@ -1,0 +1,111 @@
+#include "plan_steps.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+void pm__plan_step(pm__plan *plan, bool done, const char *name, const char *why, ...)
+{
+    if (plan->count == PM__MOST_STEPS)
+        return;
+    pm__step *const step = &plan->steps[plan->count++];
+    *step = (pm__step){.name = name, .done = done};
+    va_list arguments;
+    va_start(arguments, why);
+    (void)vsnprintf(step->why, sizeof step->why, why, arguments);
+    va_end(arguments);
+}
+
+/* ---- What is in the scene ---------------------------------------------------------------------- */
+
+size_t pm__count_objects(const pm__scene *scene, bool (*is)(const pm__material *material))
+{
+    size_t found = 0;
+    for (size_t i = 0; i < pm__scene_object_count(scene); i++)
+        found += is(pm__scene_object(scene, i).material);
+    return found;
+}
+
+bool pm__is_specular(const pm__material *material)
+{
+    return material->kind == PM__MIRROR || material->kind == PM__GLASS;
+}
+
+bool pm__is_glossy(const pm__material *material)
+{
+    return material->kind == PM__GLOSSY;
+}
+
+/* The box of where a light's photons start. */
+static void light_box(const pm__light *light, double low[3], double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        const double u = light->edge[0][a], v = light->edge[1][a];
+        const bool area = light->kind == PM__RECTANGLE;
+        const double r = light->kind == PM__BALL || light->kind == PM__DIRECTIONAL ? light->radius : 0.0;
+        low[a] = light->position[a] - r + (area ? fmin(0.0, u) + fmin(0.0, v) : 0.0);
+        high[a] = light->position[a] + r + (area ? fmax(0.0, u) + fmax(0.0, v) : 0.0);
+    }
+}
+
+/* Is all of the scene, its lights included, on one side of the plane where coordinate `axis` is `at`? */
+static bool is_one_sided(const pm__scene *scene, int axis, double at, double slack)
+{
+    double low[3], high[3], least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
+        const pm__object object = pm__scene_object(scene, i);
+        least = fmin(least, object.low[axis]);
+        most = fmax(most, object.high[axis]);
+    }
+    for (size_t i = 0; i < pm__scene_light_count(scene); i++) {
+        const pm__light *const light = pm__scene_light_at(scene, i);
+        light_box(light, low, high);
+        const bool away = light->kind == PM__DIRECTIONAL; /* of a beam's disc what counts is where it stands */
+        least = fmin(least, away ? light->position[axis] : low[axis]);
+        most = fmax(most, away ? light->position[axis] : high[axis]);
+    }
+    return least >= at - slack || most <= at + slack;
+}
+
+/* All rough surfaces in one plane, and everything on one side of it: no photon comes from behind, and no photon of
+ * another surface is near. */
+bool pm__is_single_floor(const pm__scene *scene)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
+        const pm__object object = pm__scene_object(scene, i);
+        for (int a = 0; a < 3 && pm__is_rough(object.material); a++) {
+            low[a] = fmin(low[a], object.low[a]);
+            high[a] = fmax(high[a], object.high[a]);
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        const double extent = fmax(high[(a + 1) % 3] - low[(a + 1) % 3], high[(a + 2) % 3] - low[(a + 2) % 3]);
+        const double slack = 1e-6 * extent;
+        if (high[a] - low[a] <= slack && is_one_sided(scene, a, low[a], slack))
+            return true;
+    }
+    return false;
+}
+
+/* ---- Steps that several methods have ----------------------------------------------------------- */
+
+void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
+{
+    const bool floor = pm__is_single_floor(job->scene), glossy = pm__count_objects(job->scene, pm__is_glossy);
+    needs->front = job->config->no_skip || !floor;
+    needs->directions = job->config->no_skip || needs->front || glossy;
+    pm__plan_step(plan, needs->front, "front-side filter",
+                  floor ? "one plane holds all rough surfaces, and all light comes from one side of it"
+                        : "photons may come from behind a surface, or lie on one nearby");
+    pm__plan_step(plan, needs->directions, "photon directions",
+                  needs->front ? "the front-side filter looks at them"
+                  : glossy     ? "glossy surfaces weigh them"
+                               : "nothing looks at them");
+}
+
+void pm__plan_volume(const pm__render_job *job, pm__plan *plan)
+{
+    (void)job;
+    pm__plan_step(plan, false, "volume pass", "no medium that scatters");
+}

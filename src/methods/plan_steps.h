@@ -1,0 +1,19 @@
+/* Steps of a plan that several methods have, and the questions about a scene that plans ask. */
+#ifndef PM_METHODS_PLAN_STEPS_H
+#define PM_METHODS_PLAN_STEPS_H
+
+#include "method.h"
+
+size_t pm__count_objects(const pm__scene *scene, bool (*is)(const pm__material *material));
+bool pm__is_specular(const pm__material *material);
+bool pm__is_glossy(const pm__material *material);
+bool pm__is_single_floor(const pm__scene *scene);
+
+/* A step with a reason, as by printf. */
+void pm__plan_step(pm__plan *plan, bool done, const char *name, const char *why, ...)
+    __attribute__((format(printf, 4, 5)));
+/* Must lookups refuse photons from behind, must maps keep directions; and the media that no scene has yet. */
+void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs);
+void pm__plan_volume(const pm__render_job *job, pm__plan *plan);
+
+#endif

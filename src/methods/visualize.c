@@ -1,0 +1,158 @@
+/* A photon map as it is: at the first rough surface that is seen, directly or through mirrors and glass, the radiance
+ * estimate ([C02] 2.3), and no other light. What a renderer's estimates rest on, with nothing to hide their errors. */
+#include "maps.h"
+#include "plan_steps.h"
+
+#include "../base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAP };
+enum { AUTO, ALL, CAUSTIC, DIRECT, INDIRECT, EXACT };
+
+static const pm__param params[] = {
+    {"map", PM__CHOICE, AUTO, 0, 0, "", "auto|all|caustic|direct|indirect|exact",
+     "the light paths in it: L.*D, LS+D, LD, L.*D.*D, or those of the scene's exact answer; auto: exact where there is "
+     "one, else all"}};
+
+static const char *paths_of(const pm__render_job *job)
+{
+    static const char *const paths[] = {NULL, "L.*D", "LS+D", "LD", "L.*D.*D"};
+    const int map = (int)job->config->method->values[MAP];
+    return map == EXACT || (map == AUTO && job->subject->truth) ? job->subject->paths : paths[map == AUTO ? ALL : map];
+}
+
+/* May lookups and truths be of the scene's exact answer? */
+static bool has_exact(const pm__render_job *job)
+{
+    const int map = (int)job->config->method->values[MAP];
+    return job->subject->truth && (map == AUTO || map == EXACT);
+}
+
+static bool shows_all(const pm__render_job *job)
+{
+    return strcmp(paths_of(job), "L.*D") == 0;
+}
+
+static pm_status check(const pm__render_job *job, pm_error *error)
+{
+    if (job->config->method->values[MAP] == EXACT && !job->subject->truth)
+        return pm__fail(error, PM_EINVAL, "%s has no exact answer: map=all shows all light",
+                        job->subject->entry.name);
+    return PM_OK;
+}
+
+static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
+{
+    const size_t specular = pm__count_objects(job->scene, pm__is_specular);
+    const bool caustic = strcmp(paths_of(job), "LS+D") == 0;
+    pm__plan_step(plan, true, "photon map", "the image shows it: %s", paths_of(job));
+    pm__plan_step(plan, false, "caustic pass",
+                  specular ? "one map holds all the paths that are shown" : "no specular surface");
+    needs->projection = caustic && specular && !job->config->no_skip;
+    pm__plan_step(plan, needs->projection, "projection map",
+                  caustic ? specular ? "photons are sent where specular surfaces are" : "no specular surface"
+                          : "photons are wanted from everywhere");
+    pm__plan_step(plan, false, "shadow rays", "direct light is in the map, or not shown");
+    pm__plan_step(plan, false, "final gathering", "not part of visualize");
+    pm__plan_front(job, plan, needs);
+    pm__plan_volume(job, plan);
+}
+
+static bool wants_normals(const pm__render_job *job)
+{
+    for (size_t i = 0; i < job->images; i++)
+        if (pm__estimator_of(&job->config->estimators[i]->spec)->needs & PM__AT_PHOTON)
+            return true;
+    return false;
+}
+
+static pm_status prepare(pm__render_job *job, uint32_t trial, void **state, pm_error *error)
+{
+    pm__maps *const maps = pm__alloc_zero(1, sizeof *maps);
+    if (!maps)
+        return pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
+    const pm__maps_wish wish = {.paths = paths_of(job),
+                                .photons = job->config->photons,
+                                .specular = job->needs.projection,
+                                .normals = wants_normals(job),
+                                .estimates = true,
+                                .trial = trial};
+    const pm_status status = pm__maps_create(job, &wish, maps, error);
+    if (status != PM_OK) {
+        free(maps);
+        return status;
+    }
+    *state = maps;
+    return PM_OK;
+}
+
+static void release(void *state)
+{
+    pm__maps *const maps = state;
+    pm__maps_destroy(maps);
+    free(maps);
+}
+
+/* The exact radiance of a sample: of what is lit at the point reached, weighted as the estimate is. */
+static void find_truth(const pm__render_job *job, const pm__eye *eye, bool reached, double truth[3])
+{
+    const pm__case *const subject = job->subject;
+    double value[3] = {0.0, 0.0, 0.0}, brdf[3] = {0.0, 0.0, 0.0};
+    if (reached) {
+        pm__probe probe;
+        memcpy(probe.position, eye->hit.position, sizeof probe.position);
+        memcpy(probe.normal, eye->facing, sizeof probe.normal);
+        memcpy(probe.outgoing, eye->outgoing, sizeof probe.outgoing);
+        value[0] = value[1] = value[2] = subject->truth(job->values, &probe);
+        if (subject->truth_bands)
+            subject->truth_bands(job->values, &probe, value);
+        if (subject->brdf)
+            brdf[0] = brdf[1] = brdf[2] = 1.0; /* the truth is radiance */
+        else if (!pm__is_even(eye, brdf))
+            value[0] = value[1] = value[2] = NAN;
+    }
+    for (int b = 0; b < 3; b++)
+        truth[b] = eye->emitted[b] + (reached ? eye->weight[b] * brdf[b] * value[b] : 0.0);
+}
+
+static pm_status sample(const pm__render_job *job, const void *state, const pm__tile *tile, pm__sample *samples,
+                        double (*truth)[3])
+{
+    const pm__maps *const maps = state;
+    pm__eye eyes[PM__TILE_PIXELS];
+    bool reached[PM__TILE_PIXELS];
+    const size_t count = pm__tile_pixels(tile);
+    for (size_t p = 0; p < count; p++) {
+        pm__tile_eye(job, tile, p, 0, &eyes[p]);
+        reached[p] = pm__eye_follow(&eyes[p]);
+        for (size_t i = 0; i < job->images; i++)
+            memcpy(samples[i * count + p].radiance, eyes[p].emitted, sizeof eyes[p].emitted);
+        if (truth)
+            find_truth(job, &eyes[p], reached[p], truth[p]);
+    }
+    pm__maps_scratch scratch;
+    pm_status status = pm__maps_scratch_create(count, job->config->k, &scratch);
+    if (status == PM_OK)
+        status = pm__maps_estimate(maps, eyes, reached, count, &scratch, samples, count);
+    pm__maps_scratch_destroy(&scratch);
+    return status;
+}
+
+const pm__method pm__method_visualize = {
+    .entry = {.name = "visualize",
+              .summary = "the radiance estimate of a photon map where the eye first meets a rough surface",
+              .citation = "Jensen 1996; course 43, 2.3",
+              .params = params,
+              .param_count = 1},
+    .estimates = true,
+    .check = check,
+    .has_exact = has_exact,
+    .shows_all = shows_all,
+    .plan = plan,
+    .prepare = prepare,
+    .sample = sample,
+    .release = release,
+};

@@ -1,0 +1,162 @@
+/* What is proposed to a ray, judged in double. */
+#include "query.h"
+
+#include "../base/vec3.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Of the largest coordinate: as near to a triangle's plane counts as on it; and for positions kept in float. */
+static const double ON_PLANE = 64.0 * DBL_EPSILON, FLOAT_PLANE = 0x1p-22;
+
+/* Differences and products of floats are exact in double but for far exponents: corners in line give 0 or rounding. */
+bool pm__triangle_plane(const float (*vertices)[3], const uint32_t triangle[3], pm__plane *plane)
+{
+    double edge[2][3];
+    for (int axis = 0; axis < 3; axis++) {
+        plane->corner[axis] = (double)vertices[triangle[0]][axis];
+        for (int i = 0; i < 2; i++)
+            edge[i][axis] = (double)vertices[triangle[i + 1]][axis] - plane->corner[axis];
+    }
+    const double *const u = edge[0], *const v = edge[1];
+    for (int a = 0, b = 1, c = 2; a < 3; b = c, c = a, a++)
+        plane->normal[a] = u[b] * v[c] - u[c] * v[b];
+    const double longest = sqrt(fmax(pm__dot(u, u), pm__dot(v, v)));
+    return pm__normalize(plane->normal) > 1e-14 * longest * longest;
+}
+
+static double above_plane(const pm__plane *plane, const double position[3])
+{
+    const double *const n = plane->normal, *const c = plane->corner;
+    return n[0] * (position[0] - c[0]) + n[1] * (position[1] - c[1]) + n[2] * (position[2] - c[2]);
+}
+
+/* Is the triangle a neighbour, in the same plane, of the shape `end` that an end of the ray lies `above` that plane on?
+ * Embree in float may take the one for the other. Positions may have been kept in float: within one mesh the normals
+ * decide, which spares the walls of a corner. */
+static bool is_neighbour(const pm__query *q, const pm__geometry *mesh, uint32_t end, const double normal[3],
+                         double above)
+{
+    const double rounding = q->scene->rounding;
+    if (end == PM__NO_SHAPE || fabs(above) > FLOAT_PLANE * rounding)
+        return false;
+    if (fabs(above) <= ON_PLANE * rounding)
+        return true;
+    if (end < mesh->first || end - mesh->first >= mesh->count)
+        return false;
+    return fabs(pm__dot(normal, mesh->planes[end - mesh->first].normal)) > 1.0 - 1e-9;
+}
+
+/* Where the ray meets the plane of a triangle that Embree has found it to pass through. */
+static bool meet_triangle(const pm__query *q, const pm__geometry *mesh, uint32_t number, double *distance)
+{
+    if (number == q->from || number == q->to)
+        return false;
+    const pm__plane *const plane = &mesh->planes[number - mesh->first];
+    const double above = above_plane(plane, q->ray.origin);
+    if (is_neighbour(q, mesh, q->from, plane->normal, above) ||
+        (q->to != PM__NO_SHAPE && is_neighbour(q, mesh, q->to, plane->normal, above_plane(plane, q->end))))
+        return false;
+    *distance = -above / pm__dot(plane->normal, q->ray.direction);
+    return *distance > 0.0 && *distance <= q->ray.reach;
+}
+
+bool pm__query_meet(pm__query *q, const pm__geometry *geometry, uint32_t number, double *distance)
+{
+    if (geometry->planes)
+        return meet_triangle(q, geometry, number, distance);
+    q->ray.leaves = number == q->from;
+    q->ray.arrives = number == q->to;
+    return pm__shape_meet(&geometry->shape, &q->ray, distance);
+}
+
+bool pm__query_take(pm__query *q, const pm__geometry *geometry, uint32_t number)
+{
+    double distance;
+    if (!pm__query_meet(q, geometry, number, &distance) || !pm__query_shorten(q, distance, number))
+        return false;
+    q->met = geometry;
+    q->place = NULL;
+    return true;
+}
+
+/* Where the ray meets the planes, by the same operations as pm__shape_meet: INFINITY for those behind it and the one
+ * that it leaves. Without branches: which planes lie behind is as good as random. */
+static void meet_planes(const pm__query *q, const pm__planes *planes, double distance[PM__MOST_FEW])
+{
+    const double *const o = q->ray.origin, *const d = q->ray.direction;
+    for (size_t i = 0; i < (planes->count + 1) / 2 * 2; i++) {
+        const double nx = planes->normal[0][i], ny = planes->normal[1][i], nz = planes->normal[2][i];
+        const double height = nx * (o[0] - planes->corner[0][i]) + ny * (o[1] - planes->corner[1][i]) +
+                              nz * (o[2] - planes->corner[2][i]);
+        const double t = -height / (nx * d[0] + ny * d[1] + nz * d[2]);
+        distance[i] = t > 0.0 ? t : (double)INFINITY;
+    }
+    for (size_t i = 0; i < planes->count; i++)
+        distance[i] = planes->number[i] == q->from ? (double)INFINITY : distance[i];
+}
+
+/* The first of equal ones has the lowest number. */
+static size_t nearest_of(const double *distance, size_t count)
+{
+    size_t best = 0;
+    double least = distance[0];
+    for (size_t i = 1; i < count; i++) {
+        best = distance[i] < least ? i : best;
+        least = distance[i] < least ? distance[i] : least;
+    }
+    return best;
+}
+
+/* The nearest plane is that of the shape that is met, unless the shape does not reach there. */
+static void take_flat(pm__query *q)
+{
+    const pm__planes *const flat = &q->scene->flat;
+    double distance[PM__MOST_FEW];
+    meet_planes(q, flat, distance);
+    for (size_t left = flat->count; left > 0; left--) {
+        const size_t i = nearest_of(distance, flat->count);
+        if (!(distance[i] <= q->ray.reach) || isinf(distance[i]) ||
+            pm__query_take(q, flat->geometry[i], flat->number[i]))
+            return;
+        distance[i] = (double)INFINITY;
+    }
+}
+
+void pm__query_take_few(pm__query *q)
+{
+    if (q->scene->flat.count > 0)
+        take_flat(q);
+    for (size_t i = 0; i < q->scene->curved_count; i++)
+        (void)pm__query_take(q, q->scene->curved[i], q->scene->curved[i]->first);
+}
+
+bool pm__query_meets_few(pm__query *q)
+{
+    const pm__scene *const scene = q->scene;
+    double distance;
+    for (size_t i = 0; i < scene->flat.count; i++)
+        if (pm__query_meet(q, scene->flat.geometry[i], scene->flat.number[i], &distance))
+            return true;
+    for (size_t i = 0; i < scene->curved_count; i++)
+        if (pm__query_meet(q, scene->curved[i], scene->curved[i]->first, &distance))
+            return true;
+    return false;
+}
+
+void pm__query_settle(const pm__query *q, double position[3], double normal[3])
+{
+    const pm__geometry *const met = q->met;
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] = q->ray.origin[axis] + q->ray.reach * q->ray.direction[axis];
+    if (!met->planes) {
+        pm__shape_settle(&met->shape, position, normal);
+        return;
+    }
+    const pm__plane *const plane = &met->planes[q->shape - met->first];
+    const double off = above_plane(plane, position);
+    for (int axis = 0; axis < 3; axis++) {
+        normal[axis] = plane->normal[axis];
+        position[axis] -= off * normal[axis];
+    }
+}
