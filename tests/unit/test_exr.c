@@ -168,16 +168,19 @@ START_TEST(attributes_come_back)
                                         {.name = "empty", .text = ""},
                                         {.name = "exposure", .number = 0.1},
                                         {.name = "missing", .number = NAN},
-                                        {.name = "a-name-of-31-bytes-as-the-format", .text = "x"}};
+                                        {.name = "a-name-of-31-bytes-at-the-limit", .text = "x"}};
     pm__image image = make_image(3, 2, 3);
-    write_to(in_directory("a.exr"), &image, false, attributes, 4);
+    write_to(in_directory("a.exr"), &image, false, attributes, 5);
     check_attribute(path, "scene", attributes[0].text);
     check_attribute(path, "empty", "");
     check_attribute(path, "exposure", "0.10000000000000001");
     check_attribute(path, "missing", "nan");
+    check_attribute(path, attributes[4].name, "x");
     char text[25] = "before";
     pm_error error = {""};
+    text[24] = '!';
     ck_assert_int_eq(pm__exr_attribute(path, "scene", text, 24, &error), PM_EINVAL);
+    ck_assert_int_eq(text[24], '!');
     PM_CHECK_OK(pm__exr_attribute(path, "scene", text, 25, &error), error);
     ck_assert_int_eq(pm__exr_attribute(path, "Scene", text, 25, &error), PM_ENAME);
     ck_assert_msg(strstr(error.text, path) && strstr(error.text, "\"Scene\""), "%s", error.text);
