@@ -3,6 +3,7 @@
 #ifndef PM_SCENE_RAYS_H
 #define PM_SCENE_RAYS_H
 
+#include "flats.h"
 #include "scene.h"
 #include "shapes.h"
 
@@ -31,16 +32,8 @@ typedef struct pm__geometry {
     size_t vertex_count;
 } pm__geometry;
 
-/* So many exact shapes are asked one by one: measured, Embree takes longer to find which of them to ask. */
-enum { PM__MOST_FEW = 16 };
-
-/* Planes, by component. */
-typedef struct pm__planes {
-    double corner[3][PM__MOST_FEW], normal[3][PM__MOST_FEW]; /* normals of those beyond count are 0 */
-    uint32_t number[PM__MOST_FEW];                           /* of the shape */
-    const pm__geometry *geometry[PM__MOST_FEW];
-    size_t count;
-} pm__planes;
+/* So many exact shapes that are not flat are asked one by one: measured, Embree takes longer to find which to ask. */
+enum { PM__MOST_SINGLE = 12, PM__LEAST_FLATS = 4 };
 
 struct pm__scene {
     RTCDevice device;
@@ -49,9 +42,9 @@ struct pm__scene {
     pm__light *lights;
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
     /* The exact shapes, unless they are many: Embree does not hold them. Flat ones, and the others. */
-    pm__planes flat;
-    const pm__geometry *curved[PM__MOST_FEW];
-    size_t curved_count;
+    pm__flats *flats; /* NULL: none */
+    const pm__geometry *flat[PM__MOST_FLATS], *single[PM__MOST_SINGLE];
+    size_t single_count, kept_count; /* those and the flat ones */
     size_t material_count, material_capacity, light_count, light_capacity, geometry_count, geometry_capacity;
     uint32_t shape_count;
     pm__scene **parts;

@@ -97,6 +97,7 @@ void pm__scene_destroy(pm__scene *scene)
     for (size_t i = 0; i < scene->geometry_count; i++)
         destroy_geometry(scene->geometries[i]);
     free(scene->geometries);
+    free(scene->flats);
     free(scene->objects);
     free(scene->materials);
     free(scene->lights);
@@ -363,44 +364,54 @@ pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, dou
     return add_shape(scene, material, &shape, error);
 }
 
+static bool is_flat(const pm__geometry *geometry)
+{
+    return geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC;
+}
+
 static bool is_exact(const pm__geometry *geometry)
 {
     return !geometry->planes && !geometry->part;
 }
 
-static void keep_flat(pm__planes *flat, const pm__geometry *geometry)
+static void keep_flat(pm__scene *scene, const pm__geometry *geometry)
 {
-    for (int axis = 0; axis < 3; axis++) {
-        flat->corner[axis][flat->count] = geometry->shape.centre[axis];
-        flat->normal[axis][flat->count] = geometry->shape.normal[axis];
-    }
-    flat->number[flat->count] = geometry->first;
-    flat->geometry[flat->count++] = geometry;
+    scene->flat[scene->flats->count] = geometry;
+    pm__flats_add(scene->flats, &geometry->shape, geometry->first);
 }
 
-/* Takes exact shapes out of Embree, unless they are many. */
-static void keep_few(pm__scene *scene)
+/* Takes exact shapes out of Embree: flat ones to be met together, others to be asked one by one, unless they are many. */
+static pm_status keep_few(pm__scene *scene, pm_error *error)
 {
-    size_t count = 0;
+    size_t flat = 0, single = 0;
     for (size_t i = 0; i < scene->geometry_count; i++)
-        count += is_exact(scene->geometries[i]);
-    if (count > PM__MOST_FEW || scene->flat.count + scene->curved_count > 0)
-        return;
+        if (is_exact(scene->geometries[i]))
+            *(is_flat(scene->geometries[i]) ? &flat : &single) += 1;
+    if (scene->kept_count > 0)
+        return PM_OK;
+    if (flat < PM__LEAST_FLATS)
+        single += flat;
+    else if (flat <= PM__MOST_FLATS && !(scene->flats = pm__alloc_zero(1, sizeof *scene->flats)))
+        return no_memory(error);
     for (size_t i = 0; i < scene->geometry_count; i++) {
         const pm__geometry *const geometry = scene->geometries[i];
-        if (!is_exact(geometry))
+        const bool together = is_flat(geometry) && flat >= PM__LEAST_FLATS;
+        if (!is_exact(geometry) || (together ? !scene->flats : single > PM__MOST_SINGLE))
             continue;
         rtcDetachGeometry(scene->rays, (unsigned)i);
-        if (geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC)
-            keep_flat(&scene->flat, geometry);
+        scene->kept_count++;
+        if (together)
+            keep_flat(scene, geometry);
         else
-            scene->curved[scene->curved_count++] = geometry;
+            scene->single[scene->single_count++] = geometry;
     }
+    return PM_OK;
 }
 
 static pm_status build(pm__scene *scene, double rounding, pm_error *error)
 {
-    keep_few(scene);
+    if (keep_few(scene, error) != PM_OK)
+        return PM_ENOMEM;
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
     /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */
