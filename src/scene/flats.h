@@ -23,8 +23,8 @@ typedef struct pm__flats {
 /* A rectangle or disc, prepared. Not more than PM__MOST_FLATS; numbers ascend. */
 void pm__flats_add(pm__flats *flats, const pm__shape *shape, uint32_t number);
 
-/* The first that the ray meets, but for shapes `from` and `to`; the lowest number of equally near ones. Returns its place
- * among the flats, or flats->count: none. *distance: m, within the ray's reach. Cost: 5 ns and 1.5 ns each. */
+/* The first that the ray meets, but for shapes `from` and `to`; the lowest number of equally near ones. Returns its
+ * place among the flats, or flats->count: none. *distance: m, within the ray's reach. Cost: 5 ns and 1.5 ns each. */
 size_t pm__flats_meet(const pm__flats *flats, const pm__ray *ray, uint32_t from, uint32_t to, double *distance);
 
 #endif

@@ -380,7 +380,8 @@ static void keep_flat(pm__scene *scene, const pm__geometry *geometry)
     pm__flats_add(scene->flats, &geometry->shape, geometry->first);
 }
 
-/* Takes exact shapes out of Embree: flat ones to be met together, others to be asked one by one, unless they are many. */
+/* Takes exact shapes out of Embree: flat ones to be met together, others to be asked one by one, unless they are
+ * many. */
 static pm_status keep_few(pm__scene *scene, pm_error *error)
 {
     size_t flat = 0, single = 0;
