@@ -204,8 +204,10 @@ static pm_status compare(workload *w, double seconds, pm__tracing_row *row, pm_e
 {
     const pm__bench_variant variants[VARIANTS] = {
         {"traced", run_traced, w}, {"scene", run_scene, w}, {"embree", run_embree, w}, {"robust", run_robust, w}};
-    const pm__bench_config config = {
-        .clock = pm__monotonic_clock(), .sample_seconds = 0.01, .seconds = seconds, .baseline = EMBREE};
+    const pm__bench_config config = {.clock = pm__monotonic_clock(),
+                                     .sample_seconds = fmin(0.01, 0.05 * seconds),
+                                     .seconds = seconds,
+                                     .baseline = EMBREE};
     pm__bench_report report;
     const pm_status status = pm__bench_run(&config, variants, VARIANTS, &report, error);
     if (status == PM_OK) {

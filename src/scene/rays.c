@@ -1,4 +1,4 @@
-/* Rays through a scene: Embree proposes, exact arithmetic in double disposes. A few exact shapes are asked one by one:
+/* Rays through a scene: Embree proposes, exact arithmetic in double disposes. A few exact shapes are asked without it:
  * that costs less than to have Embree ask. */
 #include "query.h"
 

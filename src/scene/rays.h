@@ -22,6 +22,7 @@ typedef struct pm__geometry {
     uint32_t first; /* the number of its first (or only) shape; shape i of a mesh or a part is first + i */
     uint32_t count;
     uint32_t material;
+    unsigned slot; /* its number with Embree */
     const pm__scene *part; /* NULL: not a part */
     pm__placement placement;
     double low[3], high[3]; /* the box about it, m */
@@ -32,8 +33,8 @@ typedef struct pm__geometry {
     size_t vertex_count;
 } pm__geometry;
 
-/* So many exact shapes that are not flat are asked one by one: measured, Embree takes longer to find which to ask. */
-enum { PM__MOST_SINGLE = 12, PM__LEAST_FLATS = 4 };
+/* Exact shapes that Embree does not hold, at most. */
+enum { PM__MOST_SINGLE = 8 };
 
 struct pm__scene {
     RTCDevice device;
@@ -41,7 +42,7 @@ struct pm__scene {
     pm__material *materials;
     pm__light *lights;
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
-    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones, and the others. */
+    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones (if not too few), and others. */
     pm__flats *flats; /* NULL: none */
     const pm__geometry *flat[PM__MOST_FLATS], *single[PM__MOST_SINGLE];
     size_t single_count, kept_count; /* those and the flat ones */
