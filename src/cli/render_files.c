@@ -20,7 +20,8 @@ static const struct {
     [PM__TRUTHS] = {".truth", "true radiance, W/(m2 sr)"},
     [PM__ERRORS] = {".error", "(radiance - truth) / mean truth of the image"},
     [PM__BIASES] = {".bias", "(mean of trials - truth) / mean truth of the image"},
-    [PM__NOISES] = {".noise", "standard deviation of trials (one trial of path: its standard error) / mean truth or radiance"},
+    [PM__NOISES] = {".noise",
+                    "standard deviation of trials (one trial of path: its standard error) / mean truth or radiance"},
     [PM__RADII] = {".radius", "radius of the estimate, m"},
     [PM__COUNTS] = {".count", "photons in the estimate"},
 };

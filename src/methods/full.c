@@ -322,7 +322,7 @@ static pm_status sample(const pm__render_job *job, const void *state, const pm__
     (void)truth;
     pm__maps_scratch scratch;
     gathering g = {.job = job, .state = state, .scratch = &scratch, .stride = pm__tile_pixels(tile)};
-    pm_status status = pm__maps_scratch_create(g.stride, job->config->k, &scratch);
+    pm_status status = pm__maps_scratch_create(PM__POINTS_AT_ONCE, job->config->k, &scratch);
     if (status == PM_OK)
         status = sample_tile(&g, tile, samples);
     pm__maps_scratch_destroy(&scratch);

@@ -185,7 +185,8 @@ void pm__maps_destroy(pm__maps *maps)
 
 pm_status pm__maps_scratch_create(size_t points, size_t neighbors, pm__maps_scratch *scratch)
 {
-    *scratch = (pm__maps_scratch){.queries = pm__alloc(points, sizeof *scratch->queries),
+    *scratch = (pm__maps_scratch){.points = points,
+                                  .queries = pm__alloc(points, sizeof *scratch->queries),
                                   .neighbors = pm__alloc(points * neighbors, sizeof *scratch->neighbors),
                                   .counts = pm__alloc(points, sizeof *scratch->counts),
                                   .which = pm__alloc(points, sizeof *scratch->which)};
@@ -303,7 +304,7 @@ static pm_status evaluate(const pm__maps *maps, size_t image, const pm__eye *eye
 }
 
 static pm_status estimate_at(const pm__maps *maps, const pm__eye *eye, const pm_query *query,
-                             const pm_neighbor *neighbors, size_t count, pm_workspace *workspace, pm__sample *samples,
+                             pm_neighbor *neighbors, size_t count, pm_workspace *workspace, pm__sample *samples,
                              size_t stride)
 {
     static const double one[3] = {1.0, 1.0, 1.0};
@@ -327,22 +328,36 @@ static pm_status estimate_at(const pm__maps *maps, const pm__eye *eye, const pm_
     return status;
 }
 
-pm_status pm__maps_estimate(const pm__maps *maps, const pm__eye *eyes, const bool *reached, size_t count,
-                            pm__maps_scratch *scratch, pm__sample *samples, size_t stride)
+/* At the points of scratch->which. */
+static pm_status estimate_some(const pm__maps *maps, const pm__eye *eyes, size_t points, pm__maps_scratch *scratch,
+                               pm__sample *samples, size_t stride)
 {
     const size_t k = maps->job->config->k;
-    size_t points = 0;
-    for (size_t i = 0; i < count; i++)
-        if (reached[i]) {
-            scratch->queries[points] = pm__maps_query(maps->job, eyes[i].hit.position, eyes[i].facing);
-            scratch->which[points++] = i;
-        }
-    memset(scratch->counts, 0, points * sizeof *scratch->counts);
     pm_status status = PM_OK;
+    memset(scratch->counts, 0, points * sizeof *scratch->counts);
     if (points && k && maps->shared)
         status = pm_map_search_batch(maps->map, scratch->queries, points, scratch->neighbors, k, scratch->counts);
     for (size_t p = 0; p < points && status == PM_OK; p++)
         status = estimate_at(maps, &eyes[scratch->which[p]], &scratch->queries[p], scratch->neighbors + p * k,
                              scratch->counts[p], scratch->workspace, &samples[scratch->which[p]], stride);
+    return status;
+}
+
+/* A few points at a time, so that what is found for them is still near when it is read. */
+pm_status pm__maps_estimate(const pm__maps *maps, const pm__eye *eyes, const bool *reached, size_t count,
+                            pm__maps_scratch *scratch, pm__sample *samples, size_t stride)
+{
+    size_t points = 0;
+    pm_status status = PM_OK;
+    for (size_t i = 0; i < count && status == PM_OK; i++) {
+        if (reached[i]) {
+            scratch->queries[points] = pm__maps_query(maps->job, eyes[i].hit.position, eyes[i].facing);
+            scratch->which[points++] = i;
+        }
+        if (points == scratch->points || i + 1 == count) {
+            status = estimate_some(maps, eyes, points, scratch, samples, stride);
+            points = 0;
+        }
+    }
     return status;
 }

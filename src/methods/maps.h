@@ -37,8 +37,12 @@ typedef struct pm__maps_wish {
 pm_status pm__maps_create(pm__render_job *job, const pm__maps_wish *wish, pm__maps *maps, pm_error *error);
 void pm__maps_destroy(pm__maps *maps); /* an empty one is allowed */
 
+/* Points that are looked up at once: few enough that what is found for them is still near when it is read. */
+enum { PM__POINTS_AT_ONCE = 32 };
+
 /* Working memory for one thread: so many points at once, so many neighbours each. */
 typedef struct pm__maps_scratch {
+    size_t points;
     pm_workspace *workspace;
     pm_query *queries;
     pm_neighbor *neighbors;

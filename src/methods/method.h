@@ -56,7 +56,7 @@ typedef struct pm__method {
     /* The maps of a trial. job: counts and times are added. NULL: none. */
     pm_status (*prepare)(pm__render_job *job, uint32_t trial, void **state, pm_error *error);
     /* samples: [image * pixels + pixel], all 0 before; truth: [pixel], NULL unless job->truth. Called by several
-     * threads for different tiles. */
+     * threads for different tiles. state NULL (visualize only): no estimate is made, as if no photon were stored. */
     pm_status (*sample)(const pm__render_job *job, const void *state, const pm__tile *tile, pm__sample *samples,
                         double (*truth)[3]);
     void (*release)(void *state);

@@ -6,7 +6,7 @@
 #include "../base/sobol.h"
 #include "../image/reference.h"
 #include "../lookup/lookup.h"
-#include "film.h"
+#include "job.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -91,14 +91,13 @@ static pm_status check_config(const pm__render_job *job, pm_error *error)
     return status;
 }
 
-static void close_job(pm__render_job *job)
+void pm__job_close(pm__render_job *job)
 {
     pm__scene_destroy(job->scene);
     job->scene = NULL;
 }
 
-/* Everything but maps: nothing is traced yet. */
-static pm_status open_job(pm__render_job *job, const pm__render_config *config, pm__plan *plan, pm_error *error)
+pm_status pm__job_open(pm__render_job *job, const pm__render_config *config, pm__plan *plan, pm_error *error)
 {
     *job = (pm__render_job){.config = config,
                             .subject = (const pm__case *)(const void *)config->scene->entry,
@@ -115,7 +114,7 @@ static pm_status open_job(pm__render_job *job, const pm__render_config *config, 
         method->plan(job, plan, &job->needs);
         job->truth = config->aov && method->has_exact && method->has_exact(job);
     } else {
-        close_job(job);
+        pm__job_close(job);
     }
     return status;
 }
@@ -123,9 +122,9 @@ static pm_status open_job(pm__render_job *job, const pm__render_config *config, 
 pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_error *error)
 {
     pm__render_job job;
-    const pm_status status = open_job(&job, config, plan, error);
+    const pm_status status = pm__job_open(&job, config, plan, error);
     if (status == PM_OK)
-        close_job(&job);
+        pm__job_close(&job);
     return status;
 }
 
@@ -153,7 +152,6 @@ void pm__tile_eye(const pm__render_job *job, const pm__tile *tile, size_t index,
     pm__eye_start(eye, job->scene, &numbers, job->camera.eye, direction);
 }
 
-/* One pass over the image. */
 typedef struct pass_work {
     const pm__render_job *job;
     const void *state;
@@ -190,6 +188,15 @@ static void run_tile(void *argument, size_t index)
     else
         atomic_store(&work->failure, (int)status);
     free(samples);
+}
+
+pm_status pm__job_pass(const pm__render_job *job, const void *state, size_t pass, size_t trial, pm__film *film,
+                       bool *cut)
+{
+    pass_work work = {.job = job, .state = state, .film = film, .pass = (uint32_t)pass, .trial = (uint32_t)trial};
+    pm__for(job->config->parallel, film->tiles, run_tile, &work);
+    *cut = atomic_load(&work.cut);
+    return (pm_status)atomic_load(&work.failure);
 }
 
 /* ---- Trials ------------------------------------------------------------------------------------ */
@@ -237,12 +244,10 @@ static pm_status run_passes(const pm__render_job *job, const void *state, schedu
     size_t pass = 0;
     for (; goes_on(s, trial, pass) && !result->interrupted; pass++) {
         const double start = pm__seconds();
-        pass_work work = {.job = job, .state = state, .film = film, .pass = (uint32_t)pass, .trial = (uint32_t)trial};
-        pm__for(job->config->parallel, film->tiles, run_tile, &work);
+        const pm_status status = pm__job_pass(job, state, pass, trial, film, &result->interrupted);
         s->last_pass = pm__seconds() - start;
-        result->interrupted = atomic_load(&work.cut);
-        if (atomic_load(&work.failure))
-            return (pm_status)atomic_load(&work.failure);
+        if (status != PM_OK)
+            return status;
         report(s, trial, pass + 1);
     }
     if (!trial)
@@ -328,7 +333,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
     pm__plan plan;
     pm__film film;
     *result = (pm__render_result){.count = 0};
-    pm_status status = open_job(&job, config, &plan, error);
+    pm_status status = pm__job_open(&job, config, &plan, error);
     if (status != PM_OK)
         return status;
     pm_error why = {""};
@@ -339,7 +344,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
             status = develop(&job, &film, result, &why);
         pm__film_destroy(&film);
     }
-    close_job(&job);
+    pm__job_close(&job);
     return status ? pm__fail(error, status, "%s", *why.text ? why.text : pm_status_text(status)) : PM_OK;
 }
 

@@ -136,6 +136,7 @@ static void check_patch(const patch *where)
     tally t = {.where = where, .count = count};
     memset(count, 0, sizeof count);
     trace_scene(c, spec.values, &t);
+    ck_assert_msg(t.stored > 0, "%s: no photon came", where->spec);
     int compared = 0;
     for (int i = 0; i < CELLS; i++)
         for (int j = 0; j < CELLS; j++) {

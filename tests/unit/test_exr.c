@@ -495,6 +495,6 @@ START_TEST(cut_files)
 }
 END_TEST
 
-PM_TEST_MAIN("exr", every_shape_comes_back, every_float_comes_back, chunks_that_hardly_shrink, halves_are_the_nearest, attributes_come_back,
-             attributes_refused, header_is_standard, same_bytes_again, pipes_will_do, full_device, other_files_are_read,
-             other_kinds_refused, unreadable_files, false_sizes, cut_files)
+PM_TEST_MAIN("exr", every_shape_comes_back, every_float_comes_back, chunks_that_hardly_shrink, halves_are_the_nearest,
+             attributes_come_back, attributes_refused, header_is_standard, same_bytes_again, pipes_will_do, full_device,
+             other_files_are_read, other_kinds_refused, unreadable_files, false_sizes, cut_files)
