@@ -39,11 +39,14 @@ static bool reach_point(const pm__light *light, const double point[3], pm__light
 {
     const double distance = toward(point, light->position, sample->direction);
     const bool spot = light->kind == PM__SPOT;
-    if (!(distance > 0.0) || (spot && pm__dot(sample->direction, light->direction) > -cos(light->angle)))
-        return false;
-    for (int i = 0; i < 3; i++)
-        sample->position[i] = light->position[i];
     const double half = spot ? sin(0.5 * light->angle) : 1.0; /* the cone's solid angle: 4 pi sin^2(angle / 2) */
+    double chord2 = 0.0; /* between the cone's axis and the way to the point: cosines of narrow cones have few digits */
+    for (int i = 0; i < 3; i++) {
+        sample->position[i] = light->position[i];
+        chord2 += pow(sample->direction[i] + light->direction[i], 2);
+    }
+    if (!(distance > 0.0) || (spot && chord2 > 4.0 * half * half))
+        return false;
     fill(sample, light->power, 1.0 / (4.0 * pi * half * half * distance * distance));
     return true;
 }
