@@ -63,10 +63,10 @@ static double seen(const pm__light *light, const double point[3], const double n
     pm__basis(normal, s, t);
     for (uint32_t i = 0; i < DIRECTIONS; i++) {
         const double angle = 2.0 * pi * pm__sobol(i, 0) * 0x1p-32, r2 = (pm__sobol(i, 1) + 0.5) * 0x1p-32;
-        double direction[3], radiance[3] = {0.0, 0.0, 0.0};
+        double direction[3], radiance[3], distance;
         for (int a = 0; a < 3; a++)
             direction[a] = sqrt(r2) * (cos(angle) * s[a] + sin(angle) * t[a]) + sqrt(1.0 - r2) * normal[a];
-        pm__light_seen(light, point, direction, (double)INFINITY, radiance);
+        (void)pm__light_seen(light, point, direction, (double)INFINITY, radiance, &distance);
         sum += radiance[0];
     }
     return pi * sum / DIRECTIONS;
@@ -243,10 +243,12 @@ END_TEST
 static bool is_seen(const pm__light *light, const double origin[3], const double toward[3], double reach)
 {
     double direction[3] = {toward[0] - origin[0], toward[1] - origin[1], toward[2] - origin[2]};
-    double radiance[3] = {0, 0, 0};
-    pm__normalize(direction);
-    pm__light_seen(light, origin, direction, reach, radiance);
-    return radiance[0] > 0.0;
+    double radiance[3], distance;
+    const double length = pm__normalize(direction);
+    const bool met = pm__light_seen(light, origin, direction, reach, radiance, &distance);
+    ck_assert(met == (radiance[0] > 0.0));
+    ck_assert(!met || light->kind != PM__RECTANGLE || fabs(distance / length - 1.0) < 1e-12);
+    return met;
 }
 
 /* Far off a light is a point; what is aimed at its rim meets or misses it as it should. */
