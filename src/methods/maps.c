@@ -40,6 +40,15 @@ static bool reaches_any(const pm__scene *scene, const pm__projection *projection
     return false;
 }
 
+/* Does an estimator make its estimates at photons? */
+static bool wants_normals(const pm__render_job *job)
+{
+    for (size_t i = 0; i < job->images; i++)
+        if (needs_of(job, i) & PM__AT_PHOTON)
+            return true;
+    return false;
+}
+
 /* Photons of the wish: `count` of them, of the part-th of several samples. */
 static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t count, uint32_t part,
                        pm__photon_set *set, pm_error *error)
@@ -64,12 +73,17 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
                                        .projection = projection,
                                        .count = count,
                                        .emitted = wish->emitted,
-                                       .normals = wish->normals,
+                                       .normals = wish->normals || (wish->estimates && wants_normals(job)),
                                        .parallel = config->parallel,
                                        .canceled = config->canceled,
                                        .context = config->context};
     if (status == PM_OK)
         status = pm__shoot(&shooting, set, error);
+    if (status == PM_EINVAL && wish->rare) {
+        pm__shoot_config few = shooting;
+        few.emitted = true;
+        status = pm__shoot(&few, set, error);
+    }
     pm__paths_destroy(paths);
     pm__projection_destroy(projection);
     job->trace_s += pm__seconds() - start;
