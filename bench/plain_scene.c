@@ -165,6 +165,7 @@ static const RTCScene *find_part(const pm__plain_scene *plain, const pm__scene *
 static bool fill_scene(const pm__plain_scene *plain, const pm__scene *whole, const pm__scene *from, RTCScene to)
 {
     bool filled = true;
+    rtcSetSceneFlags(to, plain->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     for (size_t i = 0; i < from->geometry_count && filled; i++) {
         const pm__geometry *const g = from->geometries[i];
         const RTCScene *const part = g->part ? find_part(plain, whole, g->part) : NULL;
@@ -179,9 +180,9 @@ static bool fill_scene(const pm__plain_scene *plain, const pm__scene *whole, con
     return filled;
 }
 
-pm_status pm__plain_scene_create(const pm__scene *scene, pm__plain_scene *plain, pm_error *error)
+pm_status pm__plain_scene_create(const pm__scene *scene, bool robust, pm__plain_scene *plain, pm_error *error)
 {
-    *plain = (pm__plain_scene){.device = rtcNewDevice("threads=1,verbose=0")};
+    *plain = (pm__plain_scene){.device = rtcNewDevice("threads=1,verbose=0"), .robust = robust};
     plain->scene = plain->device ? rtcNewScene(plain->device) : NULL;
     plain->parts = pm__alloc_zero(scene->part_count, sizeof *plain->parts);
     bool filled = plain->scene && plain->parts;

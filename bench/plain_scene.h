@@ -11,10 +11,11 @@ typedef struct pm__plain_scene {
     RTCScene scene;
     RTCScene *parts;
     size_t part_count;
+    bool robust;
 } pm__plain_scene;
 
-/* ENOMEM. Destroy it also after an error. */
-pm_status pm__plain_scene_create(const pm__scene *scene, pm__plain_scene *plain, pm_error *error);
+/* robust: no ray slips through between triangles of a mesh. ENOMEM. Destroy it also after an error. */
+pm_status pm__plain_scene_create(const pm__scene *scene, bool robust, pm__plain_scene *plain, pm_error *error);
 void pm__plain_scene_destroy(pm__plain_scene *plain);
 
 #endif

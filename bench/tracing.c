@@ -12,7 +12,10 @@
 static const double CLEARANCE = 1e-5;
 
 /* Photons are kept in a ring: storing costs what it costs, memory stays bounded. */
-enum { KEPT = 1 << 14, TRACED, SCENE, EMBREE, VARIANTS };
+enum { KEPT = 1 << 14 };
+
+/* The variants. */
+enum { TRACED, SCENE, EMBREE, ROBUST, VARIANTS };
 
 typedef struct recorded_ray {
     double origin[3], direction[3];
@@ -22,7 +25,7 @@ typedef struct recorded_ray {
 
 typedef struct workload {
     const pm__scene *scene;
-    pm__plain_scene plain;
+    pm__plain_scene plain, robust;
     size_t photons;
     recorded_ray *rays;
     size_t *first; /* [photons + 1]: which rays are whose */
@@ -125,7 +128,7 @@ static void scene_piece(workload *w, size_t start, size_t count)
     }
 }
 
-static bool ask_embree(const workload *w, const recorded_ray *ray, struct RTCRayHit *answer)
+static bool ask_embree(RTCScene scene, const recorded_ray *ray, struct RTCRayHit *answer)
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -139,17 +142,27 @@ static bool ask_embree(const workload *w, const recorded_ray *ray, struct RTCRay
                                          .tfar = INFINITY,
                                          .mask = 0xffffffff},
                                  .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-    rtcIntersect1(w->plain.scene, &context, answer);
+    rtcIntersect1(scene, &context, answer);
     return answer->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+static void ask_all(workload *w, RTCScene scene, size_t start, size_t count)
+{
+    for (size_t i = w->first[start]; i < w->first[start + count]; i++) {
+        struct RTCRayHit answer;
+        if (ask_embree(scene, &w->rays[i], &answer))
+            w->sink += (double)answer.ray.tfar;
+    }
 }
 
 static void embree_piece(workload *w, size_t start, size_t count)
 {
-    for (size_t i = w->first[start]; i < w->first[start + count]; i++) {
-        struct RTCRayHit answer;
-        if (ask_embree(w, &w->rays[i], &answer))
-            w->sink += (double)answer.ray.tfar;
-    }
+    ask_all(w, w->plain.scene, start, count);
+}
+
+static void robust_piece(workload *w, size_t start, size_t count)
+{
+    ask_all(w, w->robust.scene, start, count);
 }
 
 static void run_traced(void *context, size_t first, size_t repetitions)
@@ -167,6 +180,11 @@ static void run_embree(void *context, size_t first, size_t repetitions)
     in_pieces(context, first, repetitions, embree_piece);
 }
 
+static void run_robust(void *context, size_t first, size_t repetitions)
+{
+    in_pieces(context, first, repetitions, robust_piece);
+}
+
 /* ---- A run ---------------------------------------------------------------------------------------- */
 
 static double agreement_of(const workload *w)
@@ -177,25 +195,30 @@ static double agreement_of(const workload *w)
         struct RTCRayHit answer;
         pm__hit hit;
         const bool met = pm__scene_intersect(w->scene, ray->origin, ray->direction, INFINITY, ray->from, &hit);
-        agreeing += met == ask_embree(w, ray, &answer);
+        agreeing += met == ask_embree(w->plain.scene, ray, &answer);
     }
     return (double)agreeing / (double)w->count;
 }
 
 static pm_status compare(workload *w, double seconds, pm__tracing_row *row, pm_error *error)
 {
-    const pm__bench_variant variants[VARIANTS - TRACED] = {
-        {"traced", run_traced, w}, {"scene", run_scene, w}, {"embree", run_embree, w}};
-    const pm__bench_config config = {
-        .clock = pm__monotonic_clock(), .sample_seconds = 0.01, .seconds = seconds, .baseline = EMBREE - TRACED};
+    const pm__bench_variant variants[VARIANTS] = {
+        {"traced", run_traced, w}, {"scene", run_scene, w}, {"embree", run_embree, w}, {"robust", run_robust, w}};
+    const pm__bench_config config = {.clock = pm__monotonic_clock(),
+                                     .sample_seconds = fmin(0.01, 0.05 * seconds),
+                                     .seconds = seconds,
+                                     .baseline = EMBREE};
     pm__bench_report report;
-    const pm_status status = pm__bench_run(&config, variants, VARIANTS - TRACED, &report, error);
+    const pm_status status = pm__bench_run(&config, variants, VARIANTS, &report, error);
     if (status == PM_OK) {
         const double per_ray = (double)w->photons / (double)w->count;
-        const pm__bench_result *const traced = &report.results[0], *const scene = &report.results[SCENE - TRACED];
+        const pm__bench_result *const traced = &report.results[TRACED], *const scene = &report.results[SCENE];
         row->ns_per_ray_traced = traced->ns * per_ray;
         row->ns_per_ray_scene = scene->ns * per_ray;
-        row->ns_per_ray_embree = report.results[EMBREE - TRACED].ns * per_ray;
+        row->ns_per_ray_embree = report.results[EMBREE].ns * per_ray;
+        row->ns_per_ray_robust = report.results[ROBUST].ns * per_ray;
+        row->robust_ratio = report.results[ROBUST].ratio;
+        row->robust_ratio_ci95 = report.results[ROBUST].ratio_ci95;
         row->ratio = traced->ratio;
         row->ratio_ci95 = traced->ratio_ci95;
         row->scene_ratio = scene->ratio;
@@ -214,7 +237,9 @@ pm_status pm__bench_tracing_scene(const char *name, const pm__scene *scene, size
 {
     workload w = {.scene = scene, .photons = photons};
     *row = (pm__tracing_row){.scene = name, .photons = photons};
-    pm_status status = pm__plain_scene_create(scene, &w.plain, error);
+    pm_status status = pm__plain_scene_create(scene, false, &w.plain, error);
+    if (status == PM_OK)
+        status = pm__plain_scene_create(scene, true, &w.robust, error);
     if (status == PM_OK)
         status = record(&w, error);
     if (status == PM_OK) {
@@ -223,6 +248,7 @@ pm_status pm__bench_tracing_scene(const char *name, const pm__scene *scene, size
         status = compare(&w, seconds, row, error);
     }
     pm__plain_scene_destroy(&w.plain);
+    pm__plain_scene_destroy(&w.robust);
     free(w.rays);
     free(w.first);
     free(w.kept);

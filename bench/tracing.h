@@ -14,11 +14,14 @@ typedef struct pm__tracing_row {
     size_t photons, rays;
     double ns_per_ray_traced;   /* end to end */
     double ns_per_ray_scene;    /* the rays alone, answered by the scene: in double, on exact shapes */
-    double ns_per_ray_embree;   /* and by Embree alone, in float */
-    double ratio;               /* the rate traced over the rate of Embree alone: 1 would be no cost but Embree's */
+    double ns_per_ray_embree;   /* and by Embree alone, in float, at its fastest */
+    double ns_per_ray_robust;   /* and so that no ray slips through between triangles, as the scene has them answered */
+    double ratio;               /* the rate traced over Embree's at its fastest: 1 would be no cost but Embree's */
     pm__interval ratio_ci95;
-    double scene_ratio;         /* the rate of the scene's answers over the rate of Embree alone */
+    double scene_ratio;         /* the rate of the scene's answers over the same */
     pm__interval scene_ratio_ci95;
+    double robust_ratio;        /* the rate of Embree where none slips through over the same */
+    pm__interval robust_ratio_ci95;
     double agreement;           /* the share of rays that Embree alone finds to hit or miss as the scene does */
     double aa_ratio;            /* the harness's control */
     pm__interval aa_ci95;

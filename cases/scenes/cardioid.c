@@ -19,7 +19,7 @@
 
 static const double pi = 3.14159265358979323846, slot = 0.999, intensity = 1.0; /* -, W/sr */
 
-enum { CELLS = 512 };
+enum { CELLS = 128 };
 
 static const pm__param params[] = {
     {.name = "height", .type = PM__REAL, .value = 1.0, .min = 0.1, .max = 10.0, .unit = "m",

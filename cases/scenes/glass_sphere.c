@@ -22,7 +22,7 @@
 
 static const double pi = 3.14159265358979323846, floor_radius = 4.0, beam = 1.0; /* m, W/m2 */
 
-enum { IOR, D, CELLS = 1024 };
+enum { IOR, D, CELLS = 128 };
 
 static const pm__param params[] = {
     {.name = "ior", .type = PM__REAL, .value = 1.5, .min = 1.2, .max = 2.0, .unit = "", .help = "of the glass"},

@@ -21,7 +21,7 @@
 
 static const double pi = 3.14159265358979323846, beam = 1.0; /* W/m2 */
 
-enum { ELEVATION, HEIGHT, CELLS = 512 };
+enum { ELEVATION, HEIGHT, CELLS = 128 };
 
 static const pm__param params[] = {
     {.name = "elevation", .type = PM__REAL, .value = 45.0, .min = 10.0, .max = 80.0, .unit = "degree",

@@ -18,7 +18,7 @@ static const double pi = 3.14159265358979323846;
 static const double amplitude = 0.05, wavelength = 1.0, n = 1.33; /* m, m */
 static const double radius = 1.25, beam = 1.0;                    /* m, W/m2 */
 
-enum { CELLS = 1024 };
+enum { CELLS = 128 };
 
 static const pm__param params[] = {
     {.name = "d", .type = PM__REAL, .value = 1.0, .min = 0.25, .max = 3.0, .unit = "m", .help = "mean depth"},

@@ -374,6 +374,7 @@ static const pm__option *const options_taken[] = {
     &pm__render_option_method,  &pm__render_option_estimator, &pm__render_option_k,       &pm__render_option_radius,
     &pm__render_option_photons, &pm__render_option_size,      &pm__render_option_spp,     &pm__render_option_seconds,
     &pm__render_option_trials,  &pm__render_option_aov,       &pm__render_option_plan,    &pm__render_option_no_skip,
+    &pm__render_option_half,
     &pm__render_option_eye,     &pm__render_option_look,      &pm__render_option_up,      &pm__render_option_angle,
     &pm__render_option_sampler, &pm__option_search,           &pm__option_lookup,         &pm__option_front,
     &pm__option_seed,           &pm__option_threads,          &pm__option_json,           &pm__option_csv,

@@ -24,7 +24,7 @@ typedef struct pm__counts {
 typedef struct pm__render_options {
     pm__spec method;            /* entry NULL: not given */
     size_t width, height, spp;
-    bool aov, plan, no_skip;
+    bool aov, plan, no_skip, half;
     bool eye, at, up, angle;    /* which of the view's members were given */
     pm__view view;
 } pm__render_options;

@@ -20,7 +20,8 @@ static const struct {
     [PM__TRUTHS] = {".truth", "true radiance, W/(m2 sr)"},
     [PM__ERRORS] = {".error", "(radiance - truth) / mean truth of the image"},
     [PM__BIASES] = {".bias", "(mean of trials - truth) / mean truth of the image"},
-    [PM__NOISES] = {".noise", "standard deviation of trials / mean truth, or mean radiance, of the image"},
+    [PM__NOISES] = {".noise",
+                    "standard deviation of trials (one trial of path: its standard error) / mean truth or radiance"},
     [PM__RADII] = {".radius", "radius of the estimate, m"},
     [PM__COUNTS] = {".count", "photons in the estimate"},
 };
@@ -268,11 +269,12 @@ static pm_status give_up(pm__sink *sink, pm_status status, pm_error *error)
     return status;
 }
 
-static pm_status write_file(pm__render_file *file, const pm__image *image, header *h, size_t kind, pm_error *error)
+static pm_status write_file(pm__render_file *file, const pm__image *image, bool half, header *h, size_t kind,
+                            pm_error *error)
 {
     const size_t before = h->count;
     add_text(h, "content", kinds[kind].content);
-    const pm_status status = pm__exr_write(pm__sink_file(&file->sink), image, false, h->list, h->count, error);
+    const pm_status status = pm__exr_write(pm__sink_file(&file->sink), image, half, h->list, h->count, error);
     h->count = before;
     return status == PM_OK ? pm__sink_close(&file->sink, error) : give_up(&file->sink, status, error);
 }
@@ -288,7 +290,7 @@ pm_status pm__render_files_write(pm__render_files *files, const pm__render_task 
     for (size_t kind = 0; status == PM_OK && kind < files->kinds; kind++) {
         const pm__image *const image = image_of(images, kind);
         if (image->values) {
-            status = write_file(&file[kind], image, &h, kind, error);
+            status = write_file(&file[kind], image, task->settings->render.half, &h, kind, error);
         } else {
             reasons[kind] = reason(task, row, kind);
             pm__sink_discard(&file[kind].sink);

@@ -107,6 +107,14 @@ static pm_status set_plan(pm__settings *s, const char *text, pm_error *error)
     return PM_OK;
 }
 
+static pm_status set_half(pm__settings *s, const char *text, pm_error *error)
+{
+    (void)text;
+    (void)error;
+    s->render.half = true;
+    return PM_OK;
+}
+
 static pm_status set_no_skip(pm__settings *s, const char *text, pm_error *error)
 {
     (void)text;
@@ -247,6 +255,9 @@ const pm__option pm__render_option_sampler = {
 const pm__option pm__render_option_aov = {
     "aov", 0, NULL, "images of truth, error, bias, noise, radius and count too", set_aov};
 const pm__option pm__render_option_plan = {"plan", 0, NULL, "say what would be done and why, and stop", set_plan};
+const pm__option pm__render_option_half = {
+    "half", 0, NULL, "images of 16-bit numbers: half the size, three digits", set_half};
+
 const pm__option pm__render_option_no_skip = {
     "no-skip", 0, NULL, "do also what the scene does not need", set_no_skip};
 const pm__option pm__render_option_eye = {"eye", 0, "X,Y,Z", "where the camera stands, m (the scene's)", set_eye};

@@ -8,8 +8,8 @@ extern const pm__option pm__render_option_method, pm__render_option_estimator, p
 extern const pm__option pm__render_option_radius, pm__render_option_photons, pm__render_option_size;
 extern const pm__option pm__render_option_spp, pm__render_option_seconds, pm__render_option_trials;
 extern const pm__option pm__render_option_sampler, pm__render_option_aov, pm__render_option_plan;
-extern const pm__option pm__render_option_no_skip, pm__render_option_eye, pm__render_option_look;
-extern const pm__option pm__render_option_up, pm__render_option_angle, pm__render_option_output;
+extern const pm__option pm__render_option_no_skip, pm__render_option_half, pm__render_option_eye;
+extern const pm__option pm__render_option_look, pm__render_option_up, pm__render_option_angle, pm__render_option_output;
 
 /* The operands as scenes, appended to settings->cases: NAME[:params], with or without `scene:` before it, comma lists
  * too; `all`. ENAME, EINVAL (no operand at all among them), ENOMEM. */

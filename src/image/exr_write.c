@@ -98,9 +98,23 @@ static void point_to_row(exr_encode_pipeline_t *pipeline, const pm__image *image
     }
 }
 
+typedef exr_result_t (*compressor)(exr_encode_pipeline_t *pipeline);
+
+/* Readers take a chunk that is as long as its pixels for the pixels themselves; the library (3.1.5) stores compressed
+ * what comes to just that length. */
+static exr_result_t compress_or_not(exr_encode_pipeline_t *pipeline)
+{
+    const compressor *const usual = pipeline->encoding_user_data;
+    const exr_result_t code = (*usual)(pipeline);
+    if (code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes)
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+    return code;
+}
+
 static exr_result_t encode(exr_context_t context, const pm__image *image)
 {
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+    compressor usual = NULL;
     int32_t rows = 1;
     exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &rows);
     for (size_t row = 0; code == EXR_ERR_SUCCESS && row < image->height; row += (size_t)rows) {
@@ -113,6 +127,11 @@ static exr_result_t encode(exr_context_t context, const pm__image *image)
             point_to_row(&pipeline, image, row);
         if (code == EXR_ERR_SUCCESS && row == 0)
             code = exr_encoding_choose_default_routines(context, 0, &pipeline);
+        if (code == EXR_ERR_SUCCESS && row == 0) {
+            usual = pipeline.compress_fn;
+            pipeline.encoding_user_data = &usual;
+            pipeline.compress_fn = usual ? compress_or_not : NULL;
+        }
         if (code == EXR_ERR_SUCCESS)
             code = exr_encoding_run(context, 0, &pipeline);
     }

@@ -6,7 +6,7 @@
 
 typedef struct pm__reference {
     pm__image radiance; /* W/(m2 sr) */
-    pm__image error;    /* its own: the standard error of each pixel and band */
+    pm__image error;    /* its own: the standard error of each pixel and band, over the mean radiance of the image */
 } pm__reference;
 
 /* A stored pair of files; `scene` as the program has it, or with _ for -. */

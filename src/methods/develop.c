@@ -70,7 +70,7 @@ static pm_status compare(const comparison *c, size_t image, pm__render_images *i
 {
     const pm__film *const film = c->film;
     const size_t at = image * film->pixels, pixels = c->width * c->height;
-    const bool moments = film->mean && film->trials > 1;
+    const bool moments = film->mean && film->trials > 1, own = film->square;
     pm_status status = PM_OK;
     if (c->truth)
         status = make_image(c, 3, &images->truth, error);
@@ -78,7 +78,7 @@ static pm_status compare(const comparison *c, size_t image, pm__render_images *i
         status = make_image(c, 3, &images->error, error);
     if (status == PM_OK && c->truth && moments)
         status = make_image(c, 3, &images->bias, error);
-    if (status == PM_OK && moments)
+    if (status == PM_OK && (moments || own))
         status = make_image(c, 3, &images->noise, error);
     for (size_t p = 0; p < pixels && status == PM_OK; p++)
         for (int b = 0; b < 3; b++) {
@@ -91,6 +91,8 @@ static pm_status compare(const comparison *c, size_t image, pm__render_images *i
                 images->error.values[to] = (float)((block_mean(c, film->first + at, p, b) - truth) * c->scale);
             if (known && moments)
                 images->bias.values[to] = (float)((block_mean(c, film->mean + at, p, b) - truth) * c->scale);
+            if (own)
+                images->noise.values[to] = (float)(sqrt(block_mean(c, film->square + at, p, b)) * c->scale);
             if (moments) /* of a block: the mean of its pixels' variances */
                 images->noise.values[to] =
                     (float)(sqrt(block_mean(c, film->m2 + at, p, b) / (double)(film->trials - 1)) * c->scale);
@@ -102,6 +104,7 @@ static pm_status show(const pm__film *film, size_t image, bool aov, pm__render_i
 {
     const size_t at = image * film->pixels;
     pm_status status = pm__image_create(film->width, film->height, 3, &images->radiance, error);
+    aov = aov && film->estimates;
     if (status == PM_OK && aov)
         status = pm__image_create(film->width, film->height, 1, &images->radius, error);
     if (status == PM_OK && aov)

@@ -37,12 +37,12 @@ void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *
  * there is none. Radiance changes with the square of the index of refraction where a surface is crossed. */
 bool pm__eye_follow(pm__eye *eye);
 
-/* Off the rough surface, by its BRDF, which goes into the weight. false: absorbed. The way then sees no lights, before a
- * mirror or glass at least. */
+/* Off the rough surface, by its BRDF, which goes into the weight. false: absorbed. The way then sees no lights, before
+ * a mirror or glass at least. */
 bool pm__eye_bounce(pm__eye *eye);
 
-/* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light, weighted.
- * all: asks for shadow rays even where the light stands behind the surface or sends nothing there. */
+/* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light,
+ * weighted. all: asks for shadow rays even where the light stands behind the surface or sends nothing there. */
 void pm__eye_direct(pm__eye *eye, bool all, double radiance[3]);
 /* The same for one light: with `shadow` a shadow ray is cast, without it none, as if nothing stood between. */
 void pm__eye_direct_from(pm__eye *eye, const pm__light *light, bool shadow, bool all, double radiance[3]);

@@ -6,13 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-pm_status pm__film_create(const pm__render_job *job, bool moments, pm__film *film, pm_error *error)
+pm_status pm__film_create(const pm__render_job *job, bool maps, pm__film *film, pm_error *error)
 {
+    const bool moments = job->config->aov && job->config->trials > 1, square = job->config->aov && !moments && !maps;
     const size_t width = job->config->width, height = job->config->height, pixels = width * height;
     const size_t across = (width + PM__TILE - 1) / PM__TILE, down = (height + PM__TILE - 1) / PM__TILE;
     const size_t all = pixels * job->images;
     *film = (pm__film){.width = width, .height = height, .images = job->images, .pixels = pixels,
-                       .tiles = across * down, .tiles_across = across};
+                       .tiles = across * down, .tiles_across = across, .estimates = maps};
     film->sum = pm__alloc_zero(all, sizeof *film->sum);
     film->first = pm__alloc_zero(all, sizeof *film->first);
     film->radius = pm__alloc_zero(all, sizeof *film->radius);
@@ -21,8 +22,9 @@ pm_status pm__film_create(const pm__render_job *job, bool moments, pm__film *fil
     film->truth = job->truth ? pm__alloc_zero(pixels, sizeof *film->truth) : NULL;
     film->mean = moments ? pm__alloc_zero(all, sizeof *film->mean) : NULL;
     film->m2 = moments ? pm__alloc_zero(all, sizeof *film->m2) : NULL;
+    film->square = square ? pm__alloc_zero(all, sizeof *film->square) : NULL;
     if (film->sum && film->first && film->radius && film->count && film->taken && (film->truth || !job->truth) &&
-        ((film->mean && film->m2) || !moments))
+        ((film->mean && film->m2) || !moments) && (film->square || !square))
         return PM_OK;
     pm__film_destroy(film);
     return pm__fail(error, PM_ENOMEM, "out of memory for an image of %zu x %zu pixels", width, height);
@@ -38,6 +40,7 @@ void pm__film_destroy(pm__film *film)
     free(film->truth);
     free(film->mean);
     free(film->m2);
+    free(film->square);
     *film = (pm__film){0};
 }
 
@@ -64,6 +67,8 @@ void pm__film_add(pm__film *film, size_t index, const pm__sample *samples, const
             const size_t at = i * film->pixels + pixel;
             for (int b = 0; b < 3; b++)
                 film->sum[at][b] += sample->radiance[b];
+            for (int b = 0; b < 3 && film->square; b++)
+                film->square[at][b] += sample->radiance[b] * sample->radiance[b];
             film->radius[at] += first ? (double)sample->radius : 0.0;
             film->count[at] += first ? (double)sample->count : 0.0;
         }
@@ -91,6 +96,9 @@ void pm__film_end_trial(pm__film *film)
             const double value = film->sum[at][b] * share;
             if (first)
                 film->first[at][b] = value;
+            if (film->square) /* as of independent samples: stratified ones are no worse */
+                film->square[at][b] = share < 1.0 ? fmax(0.0, film->square[at][b] * share - value * value) * share /
+                                                        (1.0 - share) : 0.0;
             if (film->mean) { /* Welford 1962 */
                 const double off = value - film->mean[at][b];
                 film->mean[at][b] += off / (double)film->trials;

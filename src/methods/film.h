@@ -13,11 +13,14 @@ typedef struct pm__film {
     uint32_t *taken;          /* [tile]: samples of each of its pixels */
     double (*first)[3];       /* [image * pixels + pixel]: the first trial's means */
     double (*mean)[3], (*m2)[3]; /* over trials: mean, sum of squared deviations */
+    double (*square)[3];      /* of the first trial, of methods without maps: sums of squares; then of their means the
+                                 variance. NULL: not wanted */
+    bool estimates;           /* radius and count say something */
     size_t trials;
 } pm__film;
 
-/* ENOMEM; then all is released. moments: over more than one trial. */
-pm_status pm__film_create(const pm__render_job *job, bool moments, pm__film *film, pm_error *error);
+/* ENOMEM; then all is released. maps: the method has some. */
+pm_status pm__film_create(const pm__render_job *job, bool maps, pm__film *film, pm_error *error);
 void pm__film_destroy(pm__film *film);
 
 pm__tile pm__film_tile(const pm__film *film, size_t index, uint32_t pass, uint32_t trial);

@@ -1,7 +1,7 @@
-/* Jensen's two-pass method ([C02] 2.4): direct light by shadow rays, or by shadow photons where they agree; caustics from
- * a map of their own; light that has met a rough surface before by final gathering over the global map, with irradiance
- * computed beforehand at a share of its photons ([C02] 5.4; Christensen 1999). The global map holds all paths, since it
- * is used a rough bounce away only (errata 45).
+/* Jensen's two-pass method ([C02] 2.4): direct light by shadow rays, or by shadow photons where they agree; caustics
+ * from a map of their own; light that has met a rough surface before by final gathering over the global map, with
+ * irradiance computed beforehand at a share of its photons ([C02] 5.4; Christensen 1999). The global map holds all
+ * paths, since it is used a rough bounce away only (errata 45).
  *
  * Where a gathering ray ends nearer than the radius of the estimate there, the estimate would blur what is just around
  * the corner: then that point is gathered for in its turn, by one ray. */

@@ -55,8 +55,8 @@ typedef struct pm__method {
     void (*plan)(const pm__render_job *job, pm__plan *plan, pm__needs *needs);
     /* The maps of a trial. job: counts and times are added. NULL: none. */
     pm_status (*prepare)(pm__render_job *job, uint32_t trial, void **state, pm_error *error);
-    /* samples: [image * pixels + pixel], all 0 before; truth: [pixel], NULL unless job->truth. Called by several threads
-     * for different tiles. */
+    /* samples: [image * pixels + pixel], all 0 before; truth: [pixel], NULL unless job->truth. Called by several
+     * threads for different tiles. */
     pm_status (*sample)(const pm__render_job *job, const void *state, const pm__tile *tile, pm__sample *samples,
                         double (*truth)[3]);
     void (*release)(void *state);

@@ -1,6 +1,6 @@
 /* Path tracing (Kajiya 1986): the judge of the other methods where no formula is. At every rough surface each light is
- * sampled once, and the path goes on by the BRDF; lights that a path meets count where it comes straight from the camera
- * or a mirror or glass, so caustics are seen only of lights that have an area. */
+ * sampled once, and the path goes on by the BRDF; lights that a path meets count where it comes straight from the
+ * camera or a mirror or glass, so caustics are seen only of lights that have an area. */
 #include "method.h"
 #include "plan_steps.h"
 

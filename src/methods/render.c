@@ -131,8 +131,8 @@ pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_er
 
 /* ---- Samples ----------------------------------------------------------------------------------- */
 
-/* The pass-th sample of a pixel: points of a (0, 2)-sequence, scrambled by pixel, so every 2^n samples are stratified in
- * all the ways that there are. */
+/* The pass-th sample of a pixel: points of a (0, 2)-sequence, scrambled by pixel, so every 2^n samples are stratified
+ * in all the ways that there are. */
 static void place_in_pixel(uint64_t seed, uint64_t pixel, uint32_t pass, double at[2])
 {
     for (int d = 0; d < 2; d++) {
@@ -250,8 +250,8 @@ static pm_status run_passes(const pm__render_job *job, const void *state, schedu
     return PM_OK;
 }
 
-/* The first trial's image is the one that is shown: cut short, it is there as far as it came; a later trial counts whole
- * or not at all. */
+/* The first trial's image is the one that is shown: cut short, it is there as far as it came; a later trial counts
+ * whole or not at all. */
 static pm_status run_trial(pm__render_job *job, schedule *s, pm__film *film, size_t trial, pm__render_result *result,
                            pm_error *error)
 {
@@ -332,7 +332,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
     if (status != PM_OK)
         return status;
     pm_error why = {""};
-    status = pm__film_create(&job, config->aov && config->trials > 1, &film, &why);
+    status = pm__film_create(&job, method_of(&job)->prepare, &film, &why);
     if (status == PM_OK) {
         status = run_trials(&job, &film, result, &why);
         if (status == PM_OK)

@@ -34,14 +34,15 @@ typedef struct pm__render_config {
     void *context;
 } pm__render_config;
 
-/* The images of one estimator. Those that do not exist are empty: truth, error and bias where nothing is known, bias and
- * noise with one trial. */
+/* The images of one estimator. Those that do not exist are empty: truth, error and bias where nothing is known, bias
+ * and noise with one trial, radius and count without estimates. */
 typedef struct pm__render_images {
     pm__image radiance;    /* W/(m2 sr), of the first trial */
     pm__image truth;
     pm__image error;       /* (radiance - truth) / mean truth of the image, signed; 0 where truth is not known */
     pm__image bias, noise; /* over trials: mean - truth, standard deviation, over the mean truth (noise without a truth:
-                              over the mean radiance) */
+                              over the mean radiance). Of one trial of a method without maps noise is the standard error
+                              of the image itself */
     pm__image radius, count; /* of the estimates: m, photons found; 0 where none was made */
     double mean_error, rms_error; /* of the error, over all pixels whose truth is known; NAN where none is */
 } pm__render_images;
@@ -63,8 +64,8 @@ extern const pm__catalogue pm__methods;
 /* What the render will do and why, before anything is traced. EINVAL, ENOMEM as pm__render. */
 pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_error *error);
 
-/* EINVAL: what is asked for cannot be (error says why). ENOMEM. Canceled: PM_OK with `interrupted`; images hold what was
- * done. Free the result by pm__render_free in any case. */
+/* EINVAL: what is asked for cannot be (error says why). ENOMEM. Canceled: PM_OK with `interrupted`; images hold what
+ * was done. Free the result by pm__render_free in any case. */
 pm_status pm__render(const pm__render_config *config, pm__render_result *result, pm_error *error);
 void pm__render_free(pm__render_result *result);
 

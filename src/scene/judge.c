@@ -80,66 +80,33 @@ bool pm__query_take(pm__query *q, const pm__geometry *geometry, uint32_t number)
     return true;
 }
 
-/* Where the ray meets the planes, by the same operations as pm__shape_meet: INFINITY for those behind it and the one
- * that it leaves. Without branches: which planes lie behind is as good as random. */
-static void meet_planes(const pm__query *q, const pm__planes *planes, double distance[PM__MOST_FEW])
+static void take_flats(pm__query *q)
 {
-    const double *const o = q->ray.origin, *const d = q->ray.direction;
-    for (size_t i = 0; i < (planes->count + 1) / 2 * 2; i++) {
-        const double nx = planes->normal[0][i], ny = planes->normal[1][i], nz = planes->normal[2][i];
-        const double height = nx * (o[0] - planes->corner[0][i]) + ny * (o[1] - planes->corner[1][i]) +
-                              nz * (o[2] - planes->corner[2][i]);
-        const double t = -height / (nx * d[0] + ny * d[1] + nz * d[2]);
-        distance[i] = t > 0.0 ? t : (double)INFINITY;
-    }
-    for (size_t i = 0; i < planes->count; i++)
-        distance[i] = planes->number[i] == q->from ? (double)INFINITY : distance[i];
-}
-
-/* The first of equal ones has the lowest number. */
-static size_t nearest_of(const double *distance, size_t count)
-{
-    size_t best = 0;
-    double least = distance[0];
-    for (size_t i = 1; i < count; i++) {
-        best = distance[i] < least ? i : best;
-        least = distance[i] < least ? distance[i] : least;
-    }
-    return best;
-}
-
-/* The nearest plane is that of the shape that is met, unless the shape does not reach there. */
-static void take_flat(pm__query *q)
-{
-    const pm__planes *const flat = &q->scene->flat;
-    double distance[PM__MOST_FEW];
-    meet_planes(q, flat, distance);
-    for (size_t left = flat->count; left > 0; left--) {
-        const size_t i = nearest_of(distance, flat->count);
-        if (!(distance[i] <= q->ray.reach) || isinf(distance[i]) ||
-            pm__query_take(q, flat->geometry[i], flat->number[i]))
-            return;
-        distance[i] = (double)INFINITY;
+    const pm__flats *const flats = q->scene->flats;
+    double distance;
+    const size_t place = pm__flats_meet(flats, &q->ray, q->from, q->to, &distance);
+    if (place < flats->count && pm__query_shorten(q, distance, q->scene->flat[place]->first)) {
+        q->met = q->scene->flat[place];
+        q->place = NULL;
     }
 }
 
 void pm__query_take_few(pm__query *q)
 {
-    if (q->scene->flat.count > 0)
-        take_flat(q);
-    for (size_t i = 0; i < q->scene->curved_count; i++)
-        (void)pm__query_take(q, q->scene->curved[i], q->scene->curved[i]->first);
+    if (q->scene->flats)
+        take_flats(q);
+    for (size_t i = 0; i < q->scene->single_count; i++)
+        (void)pm__query_take(q, q->scene->single[i], q->scene->single[i]->first);
 }
 
 bool pm__query_meets_few(pm__query *q)
 {
     const pm__scene *const scene = q->scene;
     double distance;
-    for (size_t i = 0; i < scene->flat.count; i++)
-        if (pm__query_meet(q, scene->flat.geometry[i], scene->flat.number[i], &distance))
-            return true;
-    for (size_t i = 0; i < scene->curved_count; i++)
-        if (pm__query_meet(q, scene->curved[i], scene->curved[i]->first, &distance))
+    if (scene->flats && pm__flats_meet(scene->flats, &q->ray, q->from, q->to, &distance) < scene->flats->count)
+        return true;
+    for (size_t i = 0; i < scene->single_count; i++)
+        if (pm__query_meet(q, scene->single[i], scene->single[i]->first, &distance))
             return true;
     return false;
 }

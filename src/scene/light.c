@@ -68,7 +68,7 @@ void pm__emit(const pm__light *light, const double u[4], double position[3], dou
         for (int i = 0; i < 3; i++)
             position[i] += u[0] * light->edge[0][i] + u[1] * light->edge[1][i];
         cross(light->edge[0], light->edge[1], normal);
-        pm__normalize(normal);
+        (void)pm__normalize_near(normal);
         cosine_about(normal, u[2], u[3], direction);
         break;
     case PM__BALL:

@@ -1,4 +1,4 @@
-/* Rays through a scene: Embree proposes, exact arithmetic in double disposes. A few exact shapes are asked one by one:
+/* Rays through a scene: Embree proposes, exact arithmetic in double disposes. A few exact shapes are asked without it:
  * that costs less than to have Embree ask. */
 #include "query.h"
 
@@ -48,7 +48,7 @@ static bool start_ray(pm__query *q, struct RTCRay *ray)
     const pm__scene *const scene = q->scene;
     const double *const o = q->ray.origin, *const d = q->ray.direction;
     double enter = 0.0, leave = q->ray.reach;
-    if (scene->flat.count + scene->curved_count == scene->geometry_count || (!is_within(scene, o) && !enter_box(q, &enter, &leave)))
+    if (scene->kept_count == scene->geometry_count || (!is_within(scene, o) && !enter_box(q, &enter, &leave)))
         return false;
     q->start = enter - PM__SHIFT * scene->extent;
     *ray = (struct RTCRay){.org_x = (float)(o[0] + q->start * d[0]),

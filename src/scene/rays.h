@@ -3,6 +3,7 @@
 #ifndef PM_SCENE_RAYS_H
 #define PM_SCENE_RAYS_H
 
+#include "flats.h"
 #include "scene.h"
 #include "shapes.h"
 
@@ -21,6 +22,7 @@ typedef struct pm__geometry {
     uint32_t first; /* the number of its first (or only) shape; shape i of a mesh or a part is first + i */
     uint32_t count;
     uint32_t material;
+    unsigned slot; /* its number with Embree */
     const pm__scene *part; /* NULL: not a part */
     pm__placement placement;
     double low[3], high[3]; /* the box about it, m */
@@ -31,16 +33,8 @@ typedef struct pm__geometry {
     size_t vertex_count;
 } pm__geometry;
 
-/* So many exact shapes are asked one by one: measured, Embree takes longer to find which of them to ask. */
-enum { PM__MOST_FEW = 16 };
-
-/* Planes, by component. */
-typedef struct pm__planes {
-    double corner[3][PM__MOST_FEW], normal[3][PM__MOST_FEW]; /* normals of those beyond count are 0 */
-    uint32_t number[PM__MOST_FEW];                           /* of the shape */
-    const pm__geometry *geometry[PM__MOST_FEW];
-    size_t count;
-} pm__planes;
+/* Exact shapes that Embree does not hold, at most. */
+enum { PM__MOST_SINGLE = 8 };
 
 struct pm__scene {
     RTCDevice device;
@@ -48,10 +42,10 @@ struct pm__scene {
     pm__material *materials;
     pm__light *lights;
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
-    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones, and the others. */
-    pm__planes flat;
-    const pm__geometry *curved[PM__MOST_FEW];
-    size_t curved_count;
+    /* The exact shapes, unless they are many: Embree does not hold them. Flat ones (if not too few), and others. */
+    pm__flats *flats; /* NULL: none */
+    const pm__geometry *flat[PM__MOST_FLATS], *single[PM__MOST_SINGLE];
+    size_t single_count, kept_count; /* those and the flat ones */
     size_t material_count, material_capacity, light_count, light_capacity, geometry_count, geometry_capacity;
     uint32_t shape_count;
     pm__scene **parts;

@@ -97,6 +97,7 @@ void pm__scene_destroy(pm__scene *scene)
     for (size_t i = 0; i < scene->geometry_count; i++)
         destroy_geometry(scene->geometries[i]);
     free(scene->geometries);
+    free(scene->flats);
     free(scene->objects);
     free(scene->materials);
     free(scene->lights);
@@ -195,7 +196,8 @@ void pm__geometry_attach(pm__scene *scene, pm__geometry *made, RTCGeometry embre
 {
     rtcSetGeometryUserData(embree, made);
     rtcCommitGeometry(embree);
-    rtcAttachGeometryByID(scene->rays, embree, (unsigned)scene->geometry_count);
+    made->slot = (unsigned)scene->geometry_count;
+    rtcAttachGeometryByID(scene->rays, embree, made->slot);
     rtcReleaseGeometry(embree);
     scene->geometries[scene->geometry_count++] = made;
     scene->shape_count += made->count;
@@ -363,44 +365,55 @@ pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, dou
     return add_shape(scene, material, &shape, error);
 }
 
+static bool is_flat(const pm__geometry *geometry)
+{
+    return geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC;
+}
+
 static bool is_exact(const pm__geometry *geometry)
 {
     return !geometry->planes && !geometry->part;
 }
 
-static void keep_flat(pm__planes *flat, const pm__geometry *geometry)
+static void keep(pm__scene *scene, const pm__geometry *geometry)
 {
-    for (int axis = 0; axis < 3; axis++) {
-        flat->corner[axis][flat->count] = geometry->shape.centre[axis];
-        flat->normal[axis][flat->count] = geometry->shape.normal[axis];
+    rtcDetachGeometry(scene->rays, geometry->slot);
+    scene->kept_count++;
+    if (!is_flat(geometry) || !scene->flats) {
+        scene->single[scene->single_count++] = geometry;
+        return;
     }
-    flat->number[flat->count] = geometry->first;
-    flat->geometry[flat->count++] = geometry;
+    scene->flat[scene->flats->count] = geometry;
+    pm__flats_add(scene->flats, &geometry->shape, geometry->first);
 }
 
-/* Takes exact shapes out of Embree, unless they are many. */
-static void keep_few(pm__scene *scene)
+/* Takes exact shapes out of Embree, unless they are many: flat ones to be met together, others to be asked one by one.
+ * Measured, in ns: a flat one takes 3 then and another one 7; to have Embree ask takes 50 or more. */
+static pm_status keep_few(pm__scene *scene, pm_error *error)
 {
-    size_t count = 0;
+    enum { LEAST_FLATS = 4, FLAT = 3, SINGLE = 7, MOST = 56 };
+    size_t flat = 0, single = 0;
     for (size_t i = 0; i < scene->geometry_count; i++)
-        count += is_exact(scene->geometries[i]);
-    if (count > PM__MOST_FEW || scene->flat.count + scene->curved_count > 0)
-        return;
-    for (size_t i = 0; i < scene->geometry_count; i++) {
-        const pm__geometry *const geometry = scene->geometries[i];
-        if (!is_exact(geometry))
-            continue;
-        rtcDetachGeometry(scene->rays, (unsigned)i);
-        if (geometry->shape.kind == PM__SHAPE_RECTANGLE || geometry->shape.kind == PM__SHAPE_DISC)
-            keep_flat(&scene->flat, geometry);
-        else
-            scene->curved[scene->curved_count++] = geometry;
+        if (is_exact(scene->geometries[i]))
+            *(is_flat(scene->geometries[i]) ? &flat : &single) += 1;
+    if (flat < LEAST_FLATS) {
+        single += flat;
+        flat = 0;
     }
+    if (scene->kept_count > 0 || flat * FLAT + single * SINGLE > MOST)
+        return PM_OK;
+    if (flat > 0 && !(scene->flats = pm__alloc_zero(1, sizeof *scene->flats)))
+        return no_memory(error);
+    for (size_t i = 0; i < scene->geometry_count; i++)
+        if (is_exact(scene->geometries[i]))
+            keep(scene, scene->geometries[i]);
+    return PM_OK;
 }
 
 static pm_status build(pm__scene *scene, double rounding, pm_error *error)
 {
-    keep_few(scene);
+    if (keep_few(scene, error) != PM_OK)
+        return PM_ENOMEM;
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
     /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */

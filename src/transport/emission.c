@@ -14,7 +14,7 @@ void pm__trace_uniform(uint64_t seed, uint32_t trial, uint64_t number, uint32_t 
     uint32_t w[4];
     pm__random_words(seed, PM__FOR_TRACING, trial, number, block, w);
     for (int i = 0; i < 3; i++)
-        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
+        u[i] = (double)(int64_t)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
 }
 
 static double sum(const double power[3])

@@ -120,7 +120,7 @@ static void trace_scene(const pm__case *c, const double *values, tally *t)
     PM_CHECK_OK(pm__scene_create(&scene, &error), error);
     PM_CHECK_OK(c->build(values, scene, &error), error);
     PM_CHECK_OK(pm__scene_commit(scene, &error), error);
-    const pm__trace_config config = {scene, paths, 11, 0};
+    const pm__trace_config config = {.scene = scene, .paths = paths, .seed = 11};
     (void)pm__trace(&config, 0, EMITTED, store, t);
     pm__scene_destroy(scene);
     pm__paths_destroy(paths);
@@ -136,6 +136,7 @@ static void check_patch(const patch *where)
     tally t = {.where = where, .count = count};
     memset(count, 0, sizeof count);
     trace_scene(c, spec.values, &t);
+    ck_assert_msg(t.stored > 0, "%s: no photon came", where->spec);
     int compared = 0;
     for (int i = 0; i < CELLS; i++)
         for (int j = 0; j < CELLS; j++) {

@@ -166,7 +166,7 @@ START_TEST(other_samplers_keep_the_mean)
     double noise = 0.0;
     for (int s = 0; s < 3; s++) {
         const bench_run run = {.cases = "scene:glass-sphere,scene:water,scene:nephroid,scene:integrating-sphere",
-                               .estimators = "disc,epanechnikov", .sampler = samplers[s], .radius = radius,
+                               .estimators = "disc,epanechnikov", .sampler = samplers[s], .radius = 0.06,
                                .photons = 5000, .trials = 30, .probes = 80, .seed = 107};
         pm__accuracy_row *rows;
         const size_t count = run_bench(&run, &rows), predicted = check_rows(rows, count);

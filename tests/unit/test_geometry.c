@@ -3,6 +3,8 @@
 
 #include "../../src/base/geometry.h"
 #include "../../src/base/random.h"
+#include "../../src/base/turn.h"
+#include "../../src/base/vec3.h"
 
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_sort.h>
@@ -176,5 +178,47 @@ START_TEST(test_root_without_change_of_sign)
 }
 END_TEST
 
+/* ---- Vectors and turns ---- */
+
+/* Against libm in extended precision; the ends of all eighths, and their neighbours. */
+START_TEST(test_turn)
+{
+    const long double full = 6.28318530717958647692528676655900577L;
+    for (int i = 0; i < 200000; i++) {
+        double u, sine, cosine;
+        uniform((uint64_t)i, &u, 1);
+        if (i < 27) /* 0 to 1 by eighths, the value below and the one above */
+            u = nextafter(i / 3 / 8.0, i % 3 - 1.0 + (i % 3 == 1) * (i / 3 / 8.0));
+        if (!(u >= 0.0 && u <= 1.0))
+            continue;
+        pm__turn(u, &sine, &cosine);
+        PM_CHECK_NEAR(sine, (double)sinl(full * (long double)u), 0x1p-52);
+        PM_CHECK_NEAR(cosine, (double)cosl(full * (long double)u), 0x1p-52);
+    }
+}
+END_TEST
+
+/* At any size, as far as double reaches: the same as with care but for rounding. */
+START_TEST(test_normalize)
+{
+    for (int i = 0; i < 20000; i++) {
+        double u[4], v[3], w[3];
+        uniform((uint64_t)i, u, 4);
+        const double size = ldexp(1.0, (int)(u[3] * 2000.0) - 1000);
+        for (int a = 0; a < 3; a++)
+            v[a] = w[a] = (2.0 * u[a] - 1.0) * size;
+        const double length = pm__normalize(v), same = pm__normalize_near(w);
+        PM_CHECK_NEAR(same / length, 1.0, 1e-15);
+        PM_CHECK_NEAR(pm__dot(w, w), 1.0, 1e-15);
+        for (int a = 0; a < 3; a++)
+            PM_CHECK_NEAR(w[a], v[a], 5e-16);
+    }
+    double zero[3] = {0.0, 0.0, 0.0};
+    PM_CHECK_NEAR(pm__normalize_near(zero), 0.0, 0.0);
+    PM_CHECK_NEAR(zero[0], 0.0, 0.0);
+}
+END_TEST
+
 PM_TEST_MAIN("geometry", test_disc_at_a_side, test_disc_limits, test_disc_against_quadrature, test_balls_closed_forms,
-             test_balls_against_quadrature, test_root, test_root_without_change_of_sign)
+             test_balls_against_quadrature, test_root, test_root_without_change_of_sign,
+             test_turn, test_normalize)

@@ -34,6 +34,39 @@ START_TEST(test_furnace)
 }
 END_TEST
 
+/* Every point of the sphere sends alike to every other: at the front of a probe arrives what travels against its
+ * normal. */
+START_TEST(test_furnace_mass)
+{
+    enum { RINGS = 200, HEIGHTS = 1999, TURNS = 2 };
+    static const double chords[] = {.3, 1, 1.7, 2};
+    const pm__case *const c = &pm__case_scene_furnace;
+    const pm__shape front = {PM_LOOKUP_SPHERE, 0, true}, open = {PM_LOOKUP_SPHERE, 0, false};
+    const pm__probe at = {.position = {0, 0, -1}, .normal = {0, 0, 1}};
+    const double albedo = .5, e = 2 * pi;
+    for (int i = 0; i < 4; i++) {
+        const double s = chords[i], step = s * s / 2 / RINGS;
+        double sum = 0;
+        for (int ring = 0; ring < RINGS; ring++) {
+            const double z = -1 + (ring + .5) * step, x = sqrt(1 - z * z); /* the photon lands at (x, 0, z) */
+            int accepted = 0;
+            for (int j = 0; j < HEIGHTS; j++)
+                for (int k = 0; k < TURNS; k++) {
+                    const double from = 2 * (j + .5) / HEIGHTS - 1, r = sqrt(1 - from * from);
+                    const double turn = 2 * pi * (k + .5) / TURNS;
+                    const double way[3] = {x - r * cos(turn), -r * sin(turn), z - from};
+                    accepted += pm__dot(way, at.normal) < 0;
+                }
+            sum += 2 * pi * step * e * accepted / (HEIGHTS * TURNS);
+        }
+        PM_CHECK_NEAR(c->mass(&albedo, &at, &front, 0, s), sum, 1e-3 * sum);
+        PM_CHECK_NEAR(c->mass(&albedo, &at, &open, 0, s), e * pi * s * s, 1e-13);
+        PM_CHECK_NEAR(c->mass(&albedo, &at, &front, .2, s) + c->mass(&albedo, &at, &front, 0, .2),
+                      c->mass(&albedo, &at, &front, 0, s), 1e-13);
+    }
+}
+END_TEST
+
 /* All of the midpoints' sum. */
 static double floor_sum(const pm__case *c, const double *values, double a, double b)
 {
@@ -405,5 +438,5 @@ START_TEST(test_no_answer)
 }
 END_TEST
 
-PM_TEST_MAIN("scene-exact", test_furnace, test_lamps, test_corner, test_wall, test_glossy_plane, test_glossy_albedo,
-             test_prism_mass, test_prism, test_views, test_bad_parameters, test_no_answer)
+PM_TEST_MAIN("scene-exact", test_furnace, test_furnace_mass, test_lamps, test_corner, test_wall, test_glossy_plane,
+             test_glossy_albedo, test_prism_mass, test_prism, test_views, test_bad_parameters, test_no_answer)

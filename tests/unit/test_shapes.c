@@ -1,4 +1,5 @@
 /* Every exact shape, met and left by rays in a scene, against its equation solved in long double. */
+#include "../../src/scene/flats.h"
 #include "../shapes.h"
 
 enum { RAYS = 40000, WAVE_RAYS = 3000 };
@@ -229,4 +230,79 @@ START_TEST(test_sphere_chords)
 }
 END_TEST
 
-PM_TEST_MAIN("shapes", test_round_shapes, test_flat_shapes, test_wave, test_wave_grazing, test_sphere_chords)
+/* Many flat shapes at once: the digits of each by itself, two and four at a time. */
+START_TEST(test_flats)
+{
+    for (size_t count = 1; count <= PM__MOST_FLATS; count += count < 5 ? 1 : 5) {
+        pm__shape shapes[PM__MOST_FLATS];
+        pm__flats flats = {.count = 0};
+        int met_count = 0, disc_count = 0;
+        for (size_t i = 0; i < count; i++) {
+            double c[3], n[3], t[3], s[3];
+            pm_error error;
+            random_ray(50, i, 1.0, c, n);
+            pm__basis(n, s, t);
+            shapes[i] = (pm__shape){.kind = i % 3 ? PM__SHAPE_RECTANGLE : PM__SHAPE_DISC, .radius = 0.5};
+            for (int a = 0; a < 3; a++) {
+                shapes[i].centre[a] = c[a];
+                shapes[i].normal[a] = i % 3 ? 0.0 : n[a];
+                shapes[i].edge[0][a] = s[a];
+                shapes[i].edge[1][a] = 0.7 * t[a] + 0.2 * s[a];
+            }
+            PM_CHECK_OK(pm__shape_prepare(&shapes[i], (uint32_t)i, &error), error);
+            pm__flats_add(&flats, &shapes[i], 10 + 2 * (uint32_t)i);
+        }
+        const bool wide = flats.wide;
+        for (int i = 0; i < RAYS; i++) {
+            pm__ray ray = {.reach = i % 2 ? (double)INFINITY : 1.0};
+            random_ray(51, (uint64_t)i, 2.0, ray.origin, ray.direction);
+            if (i % 100 == 0) /* along an axis */
+                for (int a = 0; a < 3; a++)
+                    ray.direction[a] = a == i / 100 % 3;
+            const uint32_t from = 10 + (uint32_t)i % 50, to = 10 + (uint32_t)i % 7;
+            double want = INFINITY, got[2] = {0.0, 0.0}, t;
+            size_t first = count;
+            for (size_t j = 0; j < count; j++)
+                if (10 + 2 * j != from && 10 + 2 * j != to && pm__shape_meet(&shapes[j], &ray, &t) && t < want) {
+                    want = t;
+                    first = j;
+                }
+            for (int k = 0; k < 2; k++) {
+                flats.wide = wide && k;
+                ck_assert_uint_eq(pm__flats_meet(&flats, &ray, from, to, &got[k]), first);
+            }
+            ck_assert_msg(first == count || (got[0] == want && got[1] == want), "ray %d: %.17g %.17g, %.17g alone", i,
+                          got[0], got[1], want);
+            met_count += first < count;
+            disc_count += first < count && first % 3 == 0;
+        }
+        ck_assert(met_count > RAYS / 200 && disc_count > RAYS / 2000);
+    }
+}
+END_TEST
+
+/* Two in the same place, in different lanes: the lower number. */
+START_TEST(test_equal_flats)
+{
+    const double up[3] = {0.0, 0.0, 1.0};
+    for (size_t a = 0; a < 9; a++)
+        for (size_t b = a + 1; b < 10; b++) {
+            pm__flats flats = {.count = 0};
+            for (size_t i = 0; i < 10; i++) {
+                pm_error error;
+                pm__shape disc = {.kind = PM__SHAPE_DISC, .radius = 1.0, .normal = {0.0, 0.0, 1.0}};
+                disc.centre[2] = i == a || i == b ? 1.0 : 2.0 + (double)i;
+                PM_CHECK_OK(pm__shape_prepare(&disc, 0, &error), error);
+                pm__flats_add(&flats, &disc, (uint32_t)i);
+            }
+            pm__ray ray = {.reach = 5.0};
+            memcpy(ray.direction, up, sizeof up);
+            double distance;
+            ck_assert_uint_eq(pm__flats_meet(&flats, &ray, PM__NO_SHAPE, PM__NO_SHAPE, &distance), a);
+            ck_assert_uint_eq(pm__flats_meet(&flats, &ray, (uint32_t)a, PM__NO_SHAPE, &distance), b);
+        }
+}
+END_TEST
+
+PM_TEST_MAIN("shapes", test_round_shapes, test_flat_shapes, test_wave, test_wave_grazing, test_sphere_chords,
+             test_flats, test_equal_flats)
