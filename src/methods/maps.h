@@ -17,8 +17,8 @@ typedef struct pm__maps {
     pm_map *map;
     pm__own_maps *own;   /* [job->images] */
     float (*normals)[3]; /* of the photons, in the order in which they were stored; NULL unless asked for */
-    bool sorted, offsets; /* what the estimators that share the map need */
-    size_t shared;        /* how many those are */
+    bool shared;  /* estimates may be made on the map itself: all but those of several maps */
+    bool offsets; /* one of them needs these */
 } pm__maps;
 
 typedef struct pm__maps_wish {
