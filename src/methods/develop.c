@@ -24,27 +24,36 @@ static double block_mean(const comparison *c, double (*values)[3], size_t pixel,
     return sum / (double)(c->block * c->block);
 }
 
-static void find_scale(comparison *c)
+/* Without a truth an image's own mean: it must not depend on what else is rendered. */
+static void find_scale(comparison *c, size_t image)
 {
     double sum = 0.0;
     size_t known = 0;
     for (size_t p = 0; p < c->width * c->height; p++)
         for (int b = 0; b < 3; b++) {
-            const double value = c->truth ? c->truth[p][b] : block_mean(c, c->film->first, p, b);
+            const double value = c->truth ? c->truth[p][b] : block_mean(c, c->film->first + image * c->film->pixels, p, b);
             sum += isfinite(value) ? fabs(value) : 0.0;
             known += isfinite(value) ? 1 : 0;
         }
     c->scale = sum > 0.0 ? (double)known / sum : 0.0;
 }
 
+pm_status pm__reference_fits(const pm__image *reference, size_t width, size_t height, pm_error *error)
+{
+    if (width % reference->width == 0 && height % reference->height == 0 &&
+        width / reference->width == height / reference->height)
+        return PM_OK;
+    return pm__fail(error, PM_EINVAL, "the reference has %zu x %zu pixels: it can be compared with images of a whole "
+                    "multiple of that", reference->width, reference->height);
+}
+
 static pm_status compare_with(comparison *c, const pm__image *reference, pm_error *error)
 {
     const pm__film *const film = c->film;
     if (reference && !film->truth) {
-        if (film->width % reference->width || film->height % reference->height ||
-            film->width / reference->width != film->height / reference->height)
-            return pm__fail(error, PM_EINVAL, "the reference has %zu x %zu pixels: it can be compared with images of a "
-                            "whole multiple of that", reference->width, reference->height);
+        const pm_status status = pm__reference_fits(reference, film->width, film->height, error);
+        if (status != PM_OK)
+            return status;
         c->width = reference->width;
         c->height = reference->height;
         c->block = film->width / reference->width;
@@ -146,8 +155,8 @@ pm_status pm__film_develop(const pm__film *film, const pm__image *reference, boo
         return pm__fail(error, PM_ENOMEM, "out of memory for images");
     result->count = film->images;
     pm_status status = aov ? compare_with(&c, reference, error) : PM_OK;
-    find_scale(&c);
     for (size_t i = 0; i < film->images && status == PM_OK; i++) {
+        find_scale(&c, i);
         status = show(film, i, aov, &result->images[i], error);
         if (status == PM_OK && aov)
             status = compare(&c, i, &result->images[i], error);

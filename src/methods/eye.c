@@ -7,8 +7,8 @@ enum { LONGEST = 1000 };
 
 pm__eye_numbers pm__eye_numbers_of(uint64_t seed, uint32_t trial, uint32_t pass, uint64_t pixel)
 {
-    /* 40 bits: pixels take the lower 28, trials the rest. */
-    return (pm__eye_numbers){seed, pixel | (uint64_t)(trial & 0xfff) << 28, pass, 0};
+    /* 40 bits: pixels take the lower 28, trials the rest; what is over goes on top of the pass. */
+    return (pm__eye_numbers){seed, pixel | (uint64_t)(trial & 0xfff) << 28, pass ^ (trial >> 12) << 20, 0};
 }
 
 void pm__eye_uniform(pm__eye_numbers *numbers, double u[3])
@@ -32,23 +32,28 @@ void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *
     memcpy(eye->direction, direction, sizeof eye->direction);
 }
 
+/* Lights may stand within a medium: what lies between is absorbed as on any way. */
 static void see_lights(pm__eye *eye, double reach)
 {
-    double radiance[3] = {0.0, 0.0, 0.0};
     const size_t count = pm__scene_light_count(eye->scene);
-    for (size_t i = 0; i < count; i++)
-        pm__light_seen(pm__scene_light_at(eye->scene, i), eye->origin, eye->direction, reach, radiance);
-    for (int b = 0; b < 3; b++)
-        eye->emitted[b] += eye->weight[b] * radiance[b];
+    for (size_t i = 0; i < count; i++) {
+        double radiance[3], distance;
+        const pm__light *const light = pm__scene_light_at(eye->scene, i);
+        if (!pm__light_seen(light, eye->origin, eye->direction, reach, radiance, &distance))
+            continue;
+        if (eye->absorption)
+            pm__attenuate(eye->absorption, distance, radiance);
+        for (int b = 0; b < 3; b++)
+            eye->emitted[b] += eye->weight[b] * radiance[b];
+    }
 }
 
-/* Beer's law over the way to the hit: as for photons. */
-static void absorb(pm__eye *eye)
+/* As for photons: a glass boundary says what lies before it; elsewhere the medium is that beyond the boundary left
+ * last. */
+static void learn_medium(pm__eye *eye)
 {
     if (eye->hit.material->kind == PM__GLASS)
         eye->absorption = pm__medium_before(eye->hit.material, eye->hit.normal, eye->direction);
-    if (eye->absorption)
-        pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
 }
 
 static void depart(pm__eye *eye, const double outgoing[3])
@@ -89,12 +94,15 @@ bool pm__eye_follow(pm__eye *eye)
     while (eye->bounces < LONGEST) {
         const bool met =
             pm__scene_intersect(eye->scene, eye->origin, eye->direction, INFINITY, eye->shape, &eye->hit);
+        if (met)
+            learn_medium(eye);
         if (eye->sees_lights)
             see_lights(eye, met ? eye->hit.distance : INFINITY);
         if (!met || eye->hit.material->kind == PM__BLACK)
             return false;
         eye->travelled = eye->hit.distance;
-        absorb(eye);
+        if (eye->absorption)
+            pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
         if (pm__is_rough(eye->hit.material)) {
             const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
             for (int i = 0; i < 3; i++) {

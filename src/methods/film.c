@@ -78,7 +78,7 @@ void pm__film_add(pm__film *film, size_t index, const pm__sample *samples, const
     film->taken[index]++;
 }
 
-/* f(film, tile's samples, pixel) for each pixel. */
+/* What each sample of a pixel counts for in its mean. */
 static double share_of(const pm__film *film, size_t pixel)
 {
     const size_t x = pixel % film->width / PM__TILE, y = pixel / film->width / PM__TILE;

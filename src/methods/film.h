@@ -30,6 +30,9 @@ void pm__film_add(pm__film *film, size_t index, const pm__sample *samples, const
 /* The trial in hand is done: into the moments, and the sums begin anew (truth, radius and count stay the first's). */
 void pm__film_end_trial(pm__film *film);
 
+/* Can images of this size be judged by the reference: are they a whole multiple of it, across as down? EINVAL. */
+pm_status pm__reference_fits(const pm__image *reference, size_t width, size_t height, pm_error *error);
+
 /* The images of the film; reference: NULL, or what takes the truth's place where the film has none. Sizes of the two
  * must divide; images of comparison then have the smaller. ENOMEM, EINVAL. */
 pm_status pm__film_develop(const pm__film *film, const pm__image *reference, bool aov, pm__render_result *result,

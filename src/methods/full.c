@@ -73,7 +73,7 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
     const bool all = job->config->no_skip, photons = job->config->method->values[DIRECT] == PHOTONS;
     const size_t specular = pm__count_objects(job->scene, pm__is_specular);
     const size_t reaching = specular ? lights_that_reach(job, true) : 0, lights = pm__scene_light_count(job->scene);
-    const bool alone = !specular && pm__is_single_floor(job->scene);
+    const bool alone = !specular && pm__is_single_floor(job->scene, NULL);
     const bool indirect = pm__count_objects(job->scene, is_reflecting) && !alone;
     needs->caustic = all || reaching;
     needs->projection = reaching && !all;
@@ -165,7 +165,8 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **made, pm_er
     if (!state)
         return pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
     const pm__maps_wish caustic = {.paths = "LS+D", .photons = job->config->photons, .specular = job->needs.projection,
-                                   .emitted = !job->needs.projection, .estimates = true, .trial = trial, .stream = 1};
+                                   .emitted = !job->needs.projection, .rare = true, .estimates = true,
+                                   .trial = trial, .stream = 1};
     pm_status status = PM_OK;
     if (job->needs.caustic)
         status = pm__maps_create(job, &caustic, &state->caustic, error);

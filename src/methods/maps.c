@@ -40,6 +40,15 @@ static bool reaches_any(const pm__scene *scene, const pm__projection *projection
     return false;
 }
 
+/* Does an estimator make its estimates at photons? */
+static bool wants_normals(const pm__render_job *job)
+{
+    for (size_t i = 0; i < job->images; i++)
+        if (needs_of(job, i) & PM__AT_PHOTON)
+            return true;
+    return false;
+}
+
 /* Photons of the wish: `count` of them, of the part-th of several samples. */
 static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t count, uint32_t part,
                        pm__photon_set *set, pm_error *error)
@@ -64,12 +73,17 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
                                        .projection = projection,
                                        .count = count,
                                        .emitted = wish->emitted,
-                                       .normals = wish->normals,
+                                       .normals = wish->normals || (wish->estimates && wants_normals(job)),
                                        .parallel = config->parallel,
                                        .canceled = config->canceled,
                                        .context = config->context};
     if (status == PM_OK)
         status = pm__shoot(&shooting, set, error);
+    if (status == PM_EINVAL && wish->rare) {
+        pm__shoot_config few = shooting;
+        few.emitted = true;
+        status = pm__shoot(&few, set, error);
+    }
     pm__paths_destroy(paths);
     pm__projection_destroy(projection);
     job->trace_s += pm__seconds() - start;
@@ -140,9 +154,8 @@ static pm_status make_own(pm__render_job *job, const pm__maps_wish *wish, const 
         else if (needs & PM__AT_PHOTON)
             status = make_precomputed(job, maps->map, (const float(*)[3])maps->normals, job->config->estimators[i],
                                       &maps->own[i], error);
-        maps->sorted = maps->sorted || (is_shared(job, i) && needs & PM__SORTED);
         maps->offsets = maps->offsets || (is_shared(job, i) && needs & PM__OFFSETS);
-        maps->shared += is_shared(job, i);
+        maps->shared = maps->shared || is_shared(job, i) || maps->own[i].precomputed;
     }
     return status;
 }
@@ -303,6 +316,40 @@ static pm_status evaluate(const pm__maps *maps, size_t image, const pm__eye *eye
     return status;
 }
 
+static bool is_sorted(const pm__render_job *job, size_t image)
+{
+    return needs_of(job, image) & PM__SORTED;
+}
+
+/* Is the estimate made on the map that all share? Those made at photons are where there is a BRDF. */
+static bool is_on_map(const pm__maps *maps, size_t image, bool even)
+{
+    return is_shared(maps->job, image) || (!even && maps->own[image].precomputed);
+}
+
+/* What an estimator says must not depend on the others of the render, so photons are sorted for those alone that need
+ * it: order tells in the last digits of a sum. */
+static pm_status estimate_on_map(const pm__maps *maps, bool sorted, const pm__eye *eye, const pm_query *query,
+                                 pm_neighbor *neighbors, size_t count, const pm_source *source,
+                                 const double brdf[3], pm_workspace *workspace, pm__sample *samples, size_t stride)
+{
+    const bool even = !source->brdf;
+    const pm__gathering gathering = {source, pm_map_unit(maps->map), sorted, maps->offsets};
+    bool wanted = false;
+    for (size_t i = 0; i < maps->job->images; i++)
+        wanted = wanted || (is_on_map(maps, i, even) && is_sorted(maps->job, i) == sorted);
+    if (!wanted)
+        return PM_OK;
+    pm_status status = query->k ? pm__gather_found(maps->map, query, neighbors, count, &gathering, workspace)
+                                : pm__gather(maps->map, query, &gathering, workspace, 0);
+    if (status == PM_OK)
+        pm__point_sets(workspace, 1, gathering.offsets);
+    for (size_t i = 0; i < maps->job->images && status == PM_OK; i++)
+        if (is_on_map(maps, i, even) && is_sorted(maps->job, i) == sorted)
+            status = evaluate(maps, i, eye, query, brdf, workspace, &samples[i * stride]);
+    return status;
+}
+
 static pm_status estimate_at(const pm__maps *maps, const pm__eye *eye, const pm_query *query,
                              pm_neighbor *neighbors, size_t count, pm_workspace *workspace, pm__sample *samples,
                              size_t stride)
@@ -312,18 +359,11 @@ static pm_status estimate_at(const pm__maps *maps, const pm__eye *eye, const pm_
     const bool even = pm__is_even(eye, even_brdf);
     const double *const brdf = even ? even_brdf : one;
     const pm_source source = source_at(eye, even);
-    const pm__gathering gathering = {&source, pm_map_unit(maps->map), maps->sorted, maps->offsets};
     pm_status status = PM_OK;
-    if (maps->shared || !even) {
-        status = query->k && maps->shared ? pm__gather_found(maps->map, query, neighbors, count, &gathering, workspace)
-                                         : pm__gather(maps->map, query, &gathering, workspace, 0);
-        pm__point_sets(workspace, 1, gathering.offsets);
-    }
-    for (size_t i = 0; i < maps->job->images && status == PM_OK; i++)
-        if (is_shared(maps->job, i) || (!even && maps->own[i].precomputed))
-            status = evaluate(maps, i, eye, query, brdf, workspace, &samples[i * stride]);
+    for (int sorted = 0; sorted < 2 && status == PM_OK; sorted++)
+        status = estimate_on_map(maps, sorted, eye, query, neighbors, count, &source, brdf, workspace, samples, stride);
     for (size_t i = 0; i < maps->job->images && status == PM_OK; i++) /* these use the workspace themselves */
-        if (!is_shared(maps->job, i) && (even || !maps->own[i].precomputed))
+        if (!is_on_map(maps, i, even))
             status = estimate_own(maps, i, eye, query, &source, brdf, workspace, &samples[i * stride]);
     return status;
 }

@@ -17,8 +17,8 @@ typedef struct pm__maps {
     pm_map *map;
     pm__own_maps *own;   /* [job->images] */
     float (*normals)[3]; /* of the photons, in the order in which they were stored; NULL unless asked for */
-    bool sorted, offsets; /* what the estimators that share the map need */
-    size_t shared;        /* how many those are */
+    bool shared;  /* estimates may be made on the map itself: all but those of several maps */
+    bool offsets; /* one of them needs these */
 } pm__maps;
 
 typedef struct pm__maps_wish {
@@ -26,13 +26,14 @@ typedef struct pm__maps_wish {
     size_t photons;
     bool emitted;   /* so many are emitted, however few are stored; else stored */
     bool specular;  /* photons are sent where specular surfaces are */
+    bool rare;      /* where next to none is stored, so many are emitted instead: perhaps there is none */
     bool normals;
     bool estimates; /* each estimator gets what it needs beside the map */
     uint32_t trial;
     uint32_t stream; /* 0 or 1: two kinds of maps of one trial are independent */
 } pm__maps_wish;
 
-/* Traces and builds; adds to job's counts and times. EINVAL: no such photon is ever stored; ENOMEM; ECANCELED. Where
+/* Traces and builds; adds to job's counts and times. EINVAL: next to no such photon is stored; ENOMEM; ECANCELED. Where
  * nothing is specular no photon is, and `specular` gives an empty map. On error all is released. */
 pm_status pm__maps_create(pm__render_job *job, const pm__maps_wish *wish, pm__maps *maps, pm_error *error);
 void pm__maps_destroy(pm__maps *maps); /* an empty one is allowed */

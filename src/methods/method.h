@@ -2,6 +2,7 @@
 #ifndef PM_METHODS_METHOD_H
 #define PM_METHODS_METHOD_H
 
+#include "../image/reference.h"
 #include "../transport/shoot.h"
 #include "eye.h"
 #include "render.h"
@@ -25,6 +26,7 @@ typedef struct pm__render_job {
     pm__needs needs;
     size_t images; /* estimators, or 1 */
     bool truth;    /* the exact truth of each sample is wanted */
+    pm__reference reference; /* that judges the image; empty: there is none, or the exact truth does */
     uint64_t emitted;
     size_t stored;
     double trace_s, build_s;

@@ -48,28 +48,45 @@ static void light_box(const pm__light *light, double low[3], double high[3])
     }
 }
 
-/* Is all of the scene, its lights included, on one side of the plane where coordinate `axis` is `at`? */
-static bool is_one_sided(const pm__scene *scene, int axis, double at, double slack)
+static void widen(double range[2], double low, double high)
 {
-    double low[3], high[3], least = INFINITY, most = -INFINITY;
-    for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
-        const pm__object object = pm__scene_object(scene, i);
-        least = fmin(least, object.low[axis]);
-        most = fmax(most, object.high[axis]);
-    }
-    for (size_t i = 0; i < pm__scene_light_count(scene); i++) {
-        const pm__light *const light = pm__scene_light_at(scene, i);
-        light_box(light, low, high);
-        const bool away = light->kind == PM__DIRECTIONAL; /* of a beam's disc what counts is where it stands */
-        least = fmin(least, away ? light->position[axis] : low[axis]);
-        most = fmax(most, away ? light->position[axis] : high[axis]);
-    }
-    return least >= at - slack || most <= at + slack;
+    range[0] = fmin(range[0], low);
+    range[1] = fmax(range[1], high);
 }
 
-/* All rough surfaces in one plane, and everything on one side of it: no photon comes from behind, and no photon of
- * another surface is near. */
-bool pm__is_single_floor(const pm__scene *scene)
+/* A beam that runs away from the plane where coordinate `axis` is `at` starts where its disc is. One that runs toward
+ * it meets it from the side that it comes from, and what starts beyond meets nothing. */
+static void widen_by_light(double range[2], const pm__light *light, int axis, double at)
+{
+    double low[3], high[3];
+    const double along = light->direction[axis];
+    light_box(light, low, high);
+    if (light->kind == PM__DIRECTIONAL && along != 0.0) {
+        low[axis] = along < 0.0 ? fmax(low[axis], at) : low[axis];
+        high[axis] = along > 0.0 ? fmin(high[axis], at) : high[axis];
+        if (!(low[axis] <= high[axis]))
+            return; /* it meets nothing */
+    }
+    widen(range, low[axis], high[axis]);
+}
+
+/* Is all of the scene, its lights and who looks (NULL: nobody) included, on one side of the plane where coordinate
+ * `axis` is `at`? */
+static bool is_one_sided(const pm__scene *scene, const double eye[3], int axis, double at, double slack)
+{
+    double range[2] = {INFINITY, -INFINITY};
+    for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
+        const pm__object object = pm__scene_object(scene, i);
+        widen(range, object.low[axis], object.high[axis]);
+    }
+    for (size_t i = 0; i < pm__scene_light_count(scene); i++)
+        widen_by_light(range, pm__scene_light_at(scene, i), axis, at);
+    if (eye)
+        widen(range, eye[axis], eye[axis]);
+    return range[0] >= at - slack || range[1] <= at + slack;
+}
+
+bool pm__is_single_floor(const pm__scene *scene, const double eye[3])
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
@@ -82,7 +99,7 @@ bool pm__is_single_floor(const pm__scene *scene)
     for (int a = 0; a < 3; a++) {
         const double extent = fmax(high[(a + 1) % 3] - low[(a + 1) % 3], high[(a + 2) % 3] - low[(a + 2) % 3]);
         const double slack = 1e-6 * extent;
-        if (high[a] - low[a] <= slack && is_one_sided(scene, a, low[a], slack))
+        if (high[a] - low[a] <= slack && is_one_sided(scene, eye, a, low[a], slack))
             return true;
     }
     return false;
@@ -92,11 +109,12 @@ bool pm__is_single_floor(const pm__scene *scene)
 
 void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
 {
-    const bool floor = pm__is_single_floor(job->scene), glossy = pm__count_objects(job->scene, pm__is_glossy);
+    const bool floor = pm__is_single_floor(job->scene, job->camera.eye);
+    const bool glossy = pm__count_objects(job->scene, pm__is_glossy);
     needs->front = job->config->no_skip || !floor;
     needs->directions = job->config->no_skip || needs->front || glossy;
     pm__plan_step(plan, needs->front, "front-side filter",
-                  floor ? "one plane holds all rough surfaces, and all light comes from one side of it"
+                  floor ? "one plane holds all rough surfaces, lit and seen from one side alone"
                         : "photons may come from behind a surface, or lie on one nearby");
     pm__plan_step(plan, needs->directions, "photon directions",
                   needs->front ? "the front-side filter looks at them"

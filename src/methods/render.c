@@ -4,7 +4,6 @@
 #include "../base/memory.h"
 #include "../base/parallel.h"
 #include "../base/sobol.h"
-#include "../image/reference.h"
 #include "../lookup/lookup.h"
 #include "job.h"
 
@@ -91,8 +90,25 @@ static pm_status check_config(const pm__render_job *job, pm_error *error)
     return status;
 }
 
+/* The stored image of the scene, where it is of just this scene and view, and of all its light. */
+static pm_status find_reference(pm__render_job *job, pm_error *error)
+{
+    const pm__entry *const entry = &job->subject->entry;
+    const char *const name = entry->name + strlen("scene:");
+    pm__spec plain;
+    pm__spec_default(entry, &plain);
+    if (job->config->view || (method_of(job)->shows_all && !method_of(job)->shows_all(job)) ||
+        !pm__reference_exists(name) || memcmp(plain.values, job->values, entry->param_count * sizeof *plain.values))
+        return PM_OK;
+    const pm_status status = pm__reference_load(name, &job->reference, error);
+    if (status != PM_OK)
+        return status;
+    return pm__reference_fits(&job->reference.radiance, job->config->width, job->config->height, error);
+}
+
 void pm__job_close(pm__render_job *job)
 {
+    pm__reference_free(&job->reference);
     pm__scene_destroy(job->scene);
     job->scene = NULL;
 }
@@ -109,10 +125,12 @@ pm_status pm__job_open(pm__render_job *job, const pm__render_config *config, pm_
         status = make_scene(job, error);
     if (status == PM_OK)
         status = make_camera(job, error);
+    job->truth = config->aov && method->has_exact && method->has_exact(job);
+    if (status == PM_OK && config->aov && !job->truth)
+        status = find_reference(job, error);
     if (status == PM_OK) {
         *plan = (pm__plan){.count = 0};
         method->plan(job, plan, &job->needs);
-        job->truth = config->aov && method->has_exact && method->has_exact(job);
     } else {
         pm__job_close(job);
     }
@@ -299,32 +317,11 @@ static pm_status run_trials(pm__render_job *job, pm__film *film, pm__render_resu
 
 /* ---- Results ----------------------------------------------------------------------------------- */
 
-/* The stored image of the scene, where it is of just this scene and view, and of all its light. */
-static pm_status find_reference(const pm__render_job *job, pm__reference *reference, bool *found, pm_error *error)
-{
-    const pm__entry *const entry = &job->subject->entry;
-    const char *const name = entry->name + strlen("scene:");
-    pm__spec plain;
-    pm__spec_default(entry, &plain);
-    *found = !job->config->view && (!method_of(job)->shows_all || method_of(job)->shows_all(job)) &&
-             pm__reference_exists(name) &&
-             memcmp(plain.values, job->values, entry->param_count * sizeof *plain.values) == 0;
-    return *found ? pm__reference_load(name, reference, error) : PM_OK;
-}
-
 static pm_status develop(const pm__render_job *job, const pm__film *film, pm__render_result *result, pm_error *error)
 {
-    pm__reference reference = {.radiance = {.values = NULL}};
-    bool found = false;
-    pm_status status = PM_OK;
-    if (job->config->aov && !film->truth)
-        status = find_reference(job, &reference, &found, error);
-    result->truth = film->truth ? "exact" : found ? "reference" : NULL;
-    if (status == PM_OK)
-        status = pm__film_develop(film, found ? &reference.radiance : NULL, job->config->aov, result, error);
-    if (found)
-        pm__reference_free(&reference);
-    return status;
+    const pm__image *const reference = job->reference.radiance.values ? &job->reference.radiance : NULL;
+    result->truth = film->truth ? "exact" : reference ? "reference" : NULL;
+    return pm__film_develop(film, reference, job->config->aov, result, error);
 }
 
 pm_status pm__render(const pm__render_config *config, pm__render_result *result, pm_error *error)

@@ -61,14 +61,6 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
     pm__plan_volume(job, plan);
 }
 
-static bool wants_normals(const pm__render_job *job)
-{
-    for (size_t i = 0; i < job->images; i++)
-        if (pm__estimator_of(&job->config->estimators[i]->spec)->needs & PM__AT_PHOTON)
-            return true;
-    return false;
-}
-
 static pm_status prepare(pm__render_job *job, uint32_t trial, void **state, pm_error *error)
 {
     pm__maps *const maps = pm__alloc_zero(1, sizeof *maps);
@@ -77,7 +69,6 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **state, pm_e
     const pm__maps_wish wish = {.paths = paths_of(job),
                                 .photons = job->config->photons,
                                 .specular = job->needs.projection,
-                                .normals = wants_normals(job),
                                 .estimates = true,
                                 .trial = trial};
     const pm_status status = pm__maps_create(job, &wish, maps, error);

@@ -41,10 +41,10 @@ typedef struct pm__light_sample {
 } pm__light_sample;
 bool pm__light_reach(const pm__light *light, const double point[3], const double u[2], pm__light_sample *sample);
 
-/* Adds the radiance, W/(m2 sr), that the light sends against a ray: what the ray passes within `reach`. Only rectangles
- * and balls can be seen. */
-void pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
-                    double radiance[3]);
+/* The radiance, W/(m2 sr), that the light sends against a ray which passes it within `reach`, and how far off, m. Only
+ * rectangles and balls can be seen. false: it is not, radiance is 0 and the distance not set to any purpose. */
+bool pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
+                    double radiance[3], double *distance);
 
 /* EINVAL names what is not finite or out of range. */
 pm_status pm__light_check(const pm__light *light, pm_error *error);

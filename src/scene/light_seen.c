@@ -39,11 +39,14 @@ static bool reach_point(const pm__light *light, const double point[3], pm__light
 {
     const double distance = toward(point, light->position, sample->direction);
     const bool spot = light->kind == PM__SPOT;
-    if (!(distance > 0.0) || (spot && pm__dot(sample->direction, light->direction) > -cos(light->angle)))
-        return false;
-    for (int i = 0; i < 3; i++)
-        sample->position[i] = light->position[i];
     const double half = spot ? sin(0.5 * light->angle) : 1.0; /* the cone's solid angle: 4 pi sin^2(angle / 2) */
+    double chord2 = 0.0; /* between the cone's axis and the way to the point: cosines of narrow cones have few digits */
+    for (int i = 0; i < 3; i++) {
+        sample->position[i] = light->position[i];
+        chord2 += pow(sample->direction[i] + light->direction[i], 2);
+    }
+    if (!(distance > 0.0) || (spot && chord2 > 4.0 * half * half))
+        return false;
     fill(sample, light->power, 1.0 / (4.0 * pi * half * half * distance * distance));
     return true;
 }
@@ -134,32 +137,32 @@ bool pm__light_reach(const pm__light *light, const double point[3], const double
 
 /* ---- Seen -------------------------------------------------------------------------------------- */
 
-static bool see_rectangle(const pm__light *light, const double origin[3], const double direction[3], double reach,
-                          double *radiance)
+/* W/(m2 sr) for each W; 0: not met. */
+static double see_rectangle(const pm__light *light, const double origin[3], const double direction[3], double reach,
+                            double *distance)
 {
     double normal[3], off[3];
     const double area = rectangle_normal(light, normal), facing = pm__dot(normal, direction);
     if (!(facing < 0.0))
-        return false;
+        return 0.0;
     for (int i = 0; i < 3; i++)
         off[i] = light->position[i] - origin[i];
-    const double distance = pm__dot(normal, off) / facing;
-    if (!(distance > 0.0 && distance <= reach))
-        return false;
+    *distance = pm__dot(normal, off) / facing;
+    if (!(*distance > 0.0 && *distance <= reach))
+        return 0.0;
     for (int i = 0; i < 3; i++)
-        off[i] = distance * direction[i] - off[i];
+        off[i] = *distance * direction[i] - off[i];
     /* Coordinates along the edges, which need not be at right angles. */
     const double *const u = light->edge[0], *const v = light->edge[1];
     const double uu = pm__dot(u, u), uv = pm__dot(u, v), vv = pm__dot(v, v);
     const double a = pm__dot(off, u), b = pm__dot(off, v), determinant = uu * vv - uv * uv;
     const double x = (a * vv - b * uv) / determinant, y = (b * uu - a * uv) / determinant;
-    *radiance = 1.0 / (pi * area);
-    return x >= 0.0 && x <= 1.0 && y >= 0.0 && y <= 1.0;
+    return x >= 0.0 && x <= 1.0 && y >= 0.0 && y <= 1.0 ? 1.0 / (pi * area) : 0.0;
 }
 
 /* The ray enters a ball that shines outward, or leaves one that shines inward. */
-static bool see_ball(const pm__light *light, const double origin[3], const double direction[3], double reach,
-                     double *radiance)
+static double see_ball(const pm__light *light, const double origin[3], const double direction[3], double reach,
+                       double *distance)
 {
     double off[3], across[3];
     for (int i = 0; i < 3; i++)
@@ -169,19 +172,18 @@ static bool see_ball(const pm__light *light, const double origin[3], const doubl
         across[i] = off[i] - along * direction[i];
     const double half2 = light->radius * light->radius - pm__dot(across, across);
     if (!(half2 > 0.0))
-        return false;
-    const double distance = along + (light->inward ? sqrt(half2) : -sqrt(half2));
-    *radiance = ball_radiance(light);
-    return distance > 0.0 && distance <= reach;
+        return 0.0;
+    *distance = along + (light->inward ? sqrt(half2) : -sqrt(half2));
+    return *distance > 0.0 && *distance <= reach ? ball_radiance(light) : 0.0;
 }
 
-void pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
-                    double radiance[3])
+bool pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
+                    double radiance[3], double *distance)
 {
-    double each = 0.0;
-    const bool seen = light->kind == PM__RECTANGLE ? see_rectangle(light, origin, direction, reach, &each)
-                      : light->kind == PM__BALL    ? see_ball(light, origin, direction, reach, &each)
-                                                   : false;
-    for (int b = 0; seen && b < 3; b++)
-        radiance[b] += each * light->power[b];
+    const double each = light->kind == PM__RECTANGLE ? see_rectangle(light, origin, direction, reach, distance)
+                        : light->kind == PM__BALL    ? see_ball(light, origin, direction, reach, distance)
+                                                     : 0.0;
+    for (int b = 0; b < 3; b++)
+        radiance[b] = each * light->power[b];
+    return each > 0.0;
 }
