@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /* Renders are small, since there are many. Trials: images that are compared, and units of the timing. */
-enum { MOST_SIDE = 64, MOST_PHOTONS = 10000, TRIALS = 16, BLOCKS = 4, VALUES = 3 * BLOCKS * BLOCKS };
+enum { MOST_SIDE = 48, MOST_PHOTONS = 4000, TRIALS = 16, BLOCKS = 4, VALUES = 3 * BLOCKS * BLOCKS };
 static const double false_alarms = 1e-6, rounding = 1e-6;
 
 /* ---- Do images agree? -------------------------------------------------------------------------- */

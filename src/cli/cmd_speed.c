@@ -73,10 +73,10 @@ static pm_status set_seconds(pm__settings *s, const char *text, pm_error *error)
 static const pm__option option_quantity = {
     "quantity", 0, "Q,...", "trace, trace-threads, visualize, skip, or all (all)", set_quantity};
 static const pm__option option_photons = {
-    "photons", 0, "N", "photons; of trace at most 20000, of skip 10000 (200000)", set_photons};
+    "photons", 0, "N", "photons; of trace at most 20000, of skip 4000 (200000)", set_photons};
 static const pm__option option_k = {"k", 0, "K", "photons in an estimate (100)", set_k};
 static const pm__option option_size = {
-    "size", 0, "WxH", "pixels; of skip at most 64 a side (512x512)", set_size};
+    "size", 0, "WxH", "pixels; of skip at most 48 a side (512x512)", set_size};
 static const pm__option option_seconds = {"seconds", 0, "S", "time for it all, more or less (60)", set_seconds};
 
 /* ---- The run ----------------------------------------------------------------------------------- */

@@ -73,17 +73,13 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
                                        .projection = projection,
                                        .count = count,
                                        .emitted = wish->emitted,
+                                       .most = (uint64_t)ceil(wish->most * (double)count),
                                        .normals = wish->normals || (wish->estimates && wants_normals(job)),
                                        .parallel = config->parallel,
                                        .canceled = config->canceled,
                                        .context = config->context};
     if (status == PM_OK)
         status = pm__shoot(&shooting, set, error);
-    if (status == PM_EINVAL && wish->rare) {
-        pm__shoot_config few = shooting;
-        few.emitted = true;
-        status = pm__shoot(&few, set, error);
-    }
     pm__paths_destroy(paths);
     pm__projection_destroy(projection);
     job->trace_s += pm__seconds() - start;

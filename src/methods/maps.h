@@ -26,7 +26,7 @@ typedef struct pm__maps_wish {
     size_t photons;
     bool emitted;   /* so many are emitted, however few are stored; else stored */
     bool specular;  /* photons are sent where specular surfaces are */
-    bool rare;      /* where next to none is stored, so many are emitted instead: perhaps there is none */
+    double most;    /* emitted for each that is to be stored, at most: perhaps there is none; 0: no limit */
     bool normals;
     bool estimates; /* each estimator gets what it needs beside the map */
     uint32_t trial;
