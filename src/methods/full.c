@@ -48,25 +48,23 @@ static pm_status check(const pm__render_job *job, pm_error *error)
     return PM_OK;
 }
 
-/* How many lights reach a specular surface, and with what share of all power at most. */
-static size_t lights_that_reach(const pm__render_job *job, double *share)
+/* How many lights reach a specular surface; needs: where, and with what share of all power at most. */
+static size_t lights_that_reach(const pm__render_job *job, pm__needs *needs)
 {
     const size_t count = pm__scene_light_count(job->scene);
-    pm__projection *projection = NULL;
     double sum = 0.0, reaching = 0.0;
     size_t found = 0;
-    *share = 1.0;
-    if (pm__projection_create(job->scene, true, &projection, NULL) != PM_OK)
+    needs->reach = 1.0;
+    if (pm__projection_create(job->scene, true, &needs->specular, NULL) != PM_OK)
         return count; /* as if all did: what fails here fails again where it is told */
     for (size_t i = 0; i < count; i++) {
         const double *const power = pm__scene_light_at(job->scene, i)->power, all = power[0] + power[1] + power[2];
-        const double part = pm__projection_share(projection, i);
+        const double part = pm__projection_share(needs->specular, i);
         found += part > 0.0;
         sum += all;
         reaching += part * all;
     }
-    *share = found ? reaching / sum : 0.0;
-    pm__projection_destroy(projection);
+    needs->reach = found ? reaching / sum : 0.0;
     return found;
 }
 
@@ -83,7 +81,7 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
 {
     const bool all = job->config->no_skip, photons = job->config->method->values[DIRECT] == PHOTONS;
     const size_t specular = pm__count_objects(job->scene, pm__is_specular);
-    const size_t reaching = specular ? lights_that_reach(job, &needs->reach) : 0, lights = pm__scene_light_count(job->scene);
+    const size_t reaching = specular ? lights_that_reach(job, needs) : 0, lights = pm__scene_light_count(job->scene);
     const bool alone = !specular && pm__is_single_floor(job->scene, NULL);
     const bool indirect = pm__count_objects(job->scene, is_reflecting) && !alone;
     needs->caustic = all || reaching;

@@ -55,14 +55,15 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
 {
     const pm__render_config *const config = job->config;
     pm__paths *paths = NULL;
-    pm__projection *projection = NULL;
+    pm__projection *projection = wish->specular ? job->needs.specular : NULL;
+    const bool made = wish->specular && !projection;
     const double start = pm__seconds();
     pm_status status = pm__paths_create(wish->paths, &paths, error);
-    if (status == PM_OK && wish->specular)
+    if (status == PM_OK && made)
         status = pm__projection_create(job->scene, true, &projection, error);
     if (status != PM_OK || (projection && !reaches_any(job->scene, projection))) {
         pm__paths_destroy(paths);
-        pm__projection_destroy(projection);
+        pm__projection_destroy(made ? projection : NULL);
         return status; /* nothing is specular: there are no such photons */
     }
     const pm__shoot_config shooting = {.scene = job->scene,
@@ -81,7 +82,7 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
     if (status == PM_OK)
         status = pm__shoot(&shooting, set, error);
     pm__paths_destroy(paths);
-    pm__projection_destroy(projection);
+    pm__projection_destroy(made ? projection : NULL);
     job->trace_s += pm__seconds() - start;
     if (status == PM_OK) {
         job->emitted += set->emitted;

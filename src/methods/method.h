@@ -10,7 +10,8 @@
 /* What the plan says is to be done. */
 typedef struct pm__needs {
     bool caustic;    /* full: a caustic map, and its estimates */
-    double reach;    /* full: the share of all lights' power that is sent where specular surfaces are */
+    pm__projection *specular; /* full: where specular surfaces are; the job's. NULL: not made */
+    double reach;    /* full: the share of all lights' power that is sent there */
     bool projection; /* photons of the caustic map are sent where specular surfaces are */
     bool global;     /* full: indirect light */
     bool front;      /* lookups must refuse photons from behind */
