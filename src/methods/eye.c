@@ -124,28 +124,36 @@ bool pm__eye_bounce(pm__eye *eye)
     return scatter(eye);
 }
 
-void pm__eye_direct_from(pm__eye *eye, const pm__light *light, bool shadow, bool all, double radiance[3])
+bool pm__eye_sample(pm__eye *eye, const pm__light *light, pm__eye_lit *lit)
 {
     double u[3], brdf[3];
-    pm__light_sample sample;
     pm__eye_uniform(&eye->numbers, u);
-    const bool arrives = pm__light_reach(light, eye->hit.position, u, &sample);
-    const double cosine = arrives ? pm__dot(eye->facing, sample.direction) : 0.0;
-    const bool lit = cosine > 0.0;
-    if (!lit && !(all && arrives))
-        return;
-    if (shadow && pm__scene_blocked(eye->scene, eye->hit.position, eye->hit.shape, sample.position, PM__NO_SHAPE))
-        return;
-    if (!lit)
-        return;
-    pm__material_brdf(eye->hit.material, eye->hit.normal, sample.direction, eye->outgoing, brdf);
+    *lit = (pm__eye_lit){.arrives = false};
+    lit->arrives = pm__light_reach(light, eye->hit.position, u, &lit->sample);
+    const double cosine = lit->arrives ? pm__dot(eye->facing, lit->sample.direction) : 0.0;
+    if (!(cosine > 0.0))
+        return false;
+    pm__material_brdf(eye->hit.material, eye->hit.normal, lit->sample.direction, eye->outgoing, brdf);
     for (int b = 0; b < 3; b++)
-        radiance[b] += eye->weight[b] * brdf[b] * cosine * sample.irradiance[b];
+        lit->radiance[b] = eye->weight[b] * brdf[b] * cosine * lit->sample.irradiance[b];
+    return true;
+}
+
+bool pm__eye_blocked(const pm__eye *eye, const pm__eye_lit *lit)
+{
+    return pm__scene_blocked(eye->scene, eye->hit.position, eye->hit.shape, lit->sample.position, PM__NO_SHAPE);
 }
 
 void pm__eye_direct(pm__eye *eye, bool all, double radiance[3])
 {
     const size_t count = pm__scene_light_count(eye->scene);
-    for (size_t i = 0; i < count; i++)
-        pm__eye_direct_from(eye, pm__scene_light_at(eye->scene, i), true, all, radiance);
+    for (size_t i = 0; i < count; i++) {
+        pm__eye_lit lit;
+        const bool shines = pm__eye_sample(eye, pm__scene_light_at(eye->scene, i), &lit);
+        if (!shines && !(all && lit.arrives))
+            continue;
+        const bool blocked = pm__eye_blocked(eye, &lit);
+        for (int b = 0; b < 3 && !blocked; b++)
+            radiance[b] += lit.radiance[b];
+    }
 }

@@ -41,10 +41,19 @@ bool pm__eye_follow(pm__eye *eye);
  * a mirror or glass at least. */
 bool pm__eye_bounce(pm__eye *eye);
 
-/* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light,
- * weighted. all: asks for shadow rays even where the light stands behind the surface or sends nothing there. */
+/* One sample of a light from the point reached. */
+typedef struct pm__eye_lit {
+    pm__light_sample sample; /* where `arrives` */
+    bool arrives;            /* light comes to the place, be it from behind the surface */
+    double radiance[3];      /* W/(m2 sr), sent back and weighted, if nothing stands between */
+} pm__eye_lit;
+/* false: nothing is sent back, whatever stands between. */
+bool pm__eye_sample(pm__eye *eye, const pm__light *light, pm__eye_lit *lit);
+/* Shadow ray: does anything stand between? Only where light arrives. */
+bool pm__eye_blocked(const pm__eye *eye, const pm__eye_lit *lit);
+
+/* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light, weighted.
+ * all: asks for shadow rays even where light comes from behind the surface. */
 void pm__eye_direct(pm__eye *eye, bool all, double radiance[3]);
-/* The same for one light: with `shadow` a shadow ray is cast, without it none, as if nothing stood between. */
-void pm__eye_direct_from(pm__eye *eye, const pm__light *light, bool shadow, bool all, double radiance[3]);
 
 #endif

@@ -214,17 +214,30 @@ static pm_status ask_photons(const pm__render_job *job, const shadow_map *shadow
     return status;
 }
 
+/* Photons are asked only where there is something to know: on a surface that faces away from a light none are found,
+ * and a search for them goes through them all. */
+static pm_status add_light(const pm__render_job *job, const full_state *state, size_t light, pm__eye *eye,
+                           double radiance[3])
+{
+    pm__eye_lit lit;
+    visibility seen = UNKNOWN;
+    pm_status status = PM_OK;
+    const bool shines = pm__eye_sample(eye, pm__scene_light_at(job->scene, light), &lit);
+    if (shines && state->shadows)
+        status = ask_photons(job, &state->shadows[light], eye, &seen);
+    if (shines ? seen == UNKNOWN : lit.arrives && job->needs.behind)
+        seen = pm__eye_blocked(eye, &lit) ? SHADOW : LIT;
+    for (int b = 0; b < 3 && shines && seen == LIT; b++)
+        radiance[b] += lit.radiance[b];
+    return status;
+}
+
 static pm_status add_direct(const pm__render_job *job, const full_state *state, pm__eye *eye, double radiance[3])
 {
     const size_t count = pm__scene_light_count(job->scene);
     pm_status status = PM_OK;
-    for (size_t i = 0; i < count && status == PM_OK; i++) {
-        visibility seen = UNKNOWN;
-        if (state->shadows)
-            status = ask_photons(job, &state->shadows[i], eye, &seen);
-        if (seen != SHADOW)
-            pm__eye_direct_from(eye, pm__scene_light_at(job->scene, i), seen == UNKNOWN, job->needs.behind, radiance);
-    }
+    for (size_t i = 0; i < count && status == PM_OK; i++)
+        status = add_light(job, state, i, eye, radiance);
     return status;
 }
 
