@@ -41,10 +41,10 @@ END_TEST
 
 START_TEST(test_scenes_and_quantities_are_chosen)
 {
-    json_t *root = pm__expect_json("speed water prism " TINY "--quantity skip --json -");
+    json_t *root = pm__expect_json("speed corner furnace " TINY "--quantity skip --json -");
     ck_assert_uint_eq(json_array_size(rows_of(root)), 4);
     json_decref(root);
-    root = pm__expect_json("speed " TINY "--quantity visualize,trace --json -");
+    root = pm__expect_json("speed " TINY "--quantity trace,visualize --json -");
     ck_assert_uint_eq(json_array_size(rows_of(root)), 5); /* four scenes and one */
     json_decref(root);
 }
@@ -55,8 +55,8 @@ START_TEST(test_same_rows_whatever_the_threads)
 {
     static const char *const fields[] = {"scene", "quantity", "method", "photons", "baseline", "promise", "detail",
                                          "agree"};
-    json_t *const one = pm__expect_json("speed water " TINY "--quantity skip --threads 1 --json -");
-    json_t *const two = pm__expect_json("speed water " TINY "--quantity skip --threads 2 --json -");
+    json_t *const one = pm__expect_json("speed corner " TINY "--quantity skip --threads 1 --json -");
+    json_t *const two = pm__expect_json("speed corner " TINY "--quantity skip --threads 2 --json -");
     for (size_t i = 0; i < 2; i++)
         for (size_t f = 0; f < sizeof fields / sizeof *fields; f++)
             ck_assert_msg(json_equal(json_object_get(json_array_get(rows_of(one), i), fields[f]),
@@ -69,7 +69,7 @@ END_TEST
 
 START_TEST(test_screen_is_100_columns)
 {
-    const pm__run *const run = pm__expect("speed cornell-water " TINY "--threads 2 --quiet", 0, NULL);
+    const pm__run *const run = pm__expect("speed corner " TINY "--threads 2 --quiet", 0, NULL);
     static const char *const parts[] = {"trace:", "trace-threads:", "visualize:", "skip:", "rays a photon", "p = "};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         ck_assert_msg(strstr(run->out, parts[i]) != NULL, "no '%s' in %s", parts[i], run->out);
