@@ -29,8 +29,6 @@ static void check_mean(const char *what, const double values[REPEATS], double wa
 {
     const mean_of m = settle(values);
     const double bound = pm__student_quantile(1.0 - 0.5e-6 / CHECKS, REPEATS - 1.0);
-    if (getenv("SHOW"))
-        printf("%s: %.6f, expected %.6f, error %.6f\n", what, m.mean, want, m.error);
     ck_assert_msg(fabs(m.mean - want) <= allowed + bound * m.error + 1e-6 * fabs(want),
                   "%s: %.6f, expected %.6f, %.1f standard errors", what, m.mean, want, (m.mean - want) / m.error);
 }
