@@ -1,8 +1,8 @@
 /* The method full against the path tracer, by blocks of pixels: light by paths that have little in common but their
  * ends. Renders of different seeds are the replicates; a block passes within the joint interval of both methods' means,
- * for a false alarm in 1e-6 over all comparisons, and what the estimates may lack. An estimate with the radius R within R
- * of a wall's edge looks beyond it: of fixed R that is 8 R / (3 pi) of the light of a square of 1 m on average. It is so
- * of no more than the indirect light, and less where the next wall's photons make up for it. */
+ * for a false alarm in 1e-6 over all comparisons, and what the estimates may lack. An estimate with the radius R within
+ * R of a wall's edge looks beyond it: of fixed R that is 8 R / (3 pi) of the light of a square of 1 m on average. It is
+ * so of no more than the indirect light, and less where the next wall's photons make up for it. */
 #include "../../src/cli/parallel.h"
 #include "../../src/stats/stats.h"
 #include "../picture.h"
