@@ -78,7 +78,7 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 static void view(const double *values, pm__view *from)
 {
     (void)values;
-    *from = (pm__view){.eye = {2.2, -0.6, 1.6}, .at = {0.25, 0.5, 0.25}, .up = {0, 0, 1}, .angle = 0.65};
+    *from = (pm__view){.eye = {2.2, -0.6, 1.6}, .at = {0.25, 0.5, 0.25}, .up = {0, 0, 1}, .angle = 0.75};
 }
 
 const pm__case pm__case_scene_corner = {

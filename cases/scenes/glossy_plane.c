@@ -105,11 +105,12 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status;
 }
 
-/* Toward the light, so that the mirrored direction is in the picture. */
+/* From where the light is mirrored to, as far as the square can be seen from there. */
 static void view(const double *values, pm__view *from)
 {
-    (void)values;
-    *from = (pm__view){.eye = {1.9, 0.5, 1.3}, .at = {0.5, 0.5, 0}, .up = {0, 0, 1}, .angle = 0.75};
+    const double a = fmin(fmax(values[ANGLE], 10.0), 70.0) * pi / 180.0, away = 1.8;
+    *from = (pm__view){.eye = {0.5 + away * sin(a), 0.5, away * cos(a)}, .at = {0.5, 0.5, 0}, .up = {0, 0, 1},
+                       .angle = 0.75};
 }
 
 const pm__case pm__case_scene_glossy_plane = {

@@ -30,6 +30,7 @@ typedef struct pm__command {
 #define PM__COMMAND_LIST(X) \
     X(accuracy)             \
     X(search)               \
+    X(speed)                \
     X(render)               \
     X(estimate)             \
     X(compare)              \

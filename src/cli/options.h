@@ -50,6 +50,7 @@ typedef struct pm__settings {
     bool order_random, order_coherent;
     size_t radius_hits, samples;
     double seconds;
+    unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
     pm__render_options render;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];

@@ -31,41 +31,83 @@ static void apply_brdf(const pm_source *source, const float direction[3], float 
         flux[c] *= value[c];
 }
 
-static void read_photons(const pm_map *map, const pm__query *prepared, const pm__gathering *gathering,
-                         pm_workspace *workspace, size_t first, size_t count)
+/* Where a photon's flux and distance come from and go to. */
+typedef struct reading {
+    const float *carried;
+    size_t size;
+    float scale2;
+    float *distance2, (*flux)[3];
+} reading;
+
+static inline float larger(float a, float b)
 {
-    const float scale = (float)(map->unit / gathering->unit);
-    const bool brdf = gathering->source && gathering->source->brdf;
+    return a > b ? a : b;
+}
+
+/* The farther of the photon and `farthest`. */
+static inline float read_photon(const reading *r, const pm_neighbor *neighbor, size_t i, float farthest)
+{
+    r->distance2[i] = neighbor->distance2 * r->scale2;
+    memcpy(r->flux[i], r->carried + neighbor->number * r->size, sizeof r->flux[i]);
+    return larger(neighbor->distance2, farthest);
+}
+
+/* What every estimate wants, flux and distance, is what an image waits for. Returns the largest distance2, in map units;
+ * 0 where there is no photon. Four at a time, since each maximum would wait for the one before. */
+static float read_plain(const reading *of, const pm_neighbor *neighbors, size_t count)
+{
+    const reading r = *of;
+    float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        a = read_photon(&r, &neighbors[i], i, a);
+        b = read_photon(&r, &neighbors[i + 1], i + 1, b);
+        c = read_photon(&r, &neighbors[i + 2], i + 2, c);
+        d = read_photon(&r, &neighbors[i + 3], i + 3, d);
+    }
+    for (; i < count; i++)
+        a = read_photon(&r, &neighbors[i], i, a);
+    return larger(larger(a, b), larger(c, d));
+}
+
+static void add_brdf(const pm_map *map, const pm_neighbor *neighbors, size_t count, const pm_source *source,
+                     float (*flux)[3])
+{
+    for (size_t i = 0; i < count; i++)
+        apply_brdf(source, pm__direction(map, neighbors[i].number), flux[i]);
+}
+
+static void read_offsets(const pm_map *map, const pm_neighbor *neighbors, size_t count, const float from[3],
+                         float scale, float (*offset)[3])
+{
     for (size_t i = 0; i < count; i++) {
-        const pm_neighbor neighbor = workspace->neighbors[i];
-        const float *const power = pm__power(map, neighbor.number);
-        float *const flux = workspace->flux[first + i];
-        workspace->distance2[first + i] = neighbor.distance2 * (scale * scale);
-        memcpy(flux, power, sizeof workspace->flux[0]);
-        if (brdf)
-            apply_brdf(gathering->source, power + PM__POWER, flux);
-        if (gathering->offsets) {
-            float position[3];
-            pm__position(map, neighbor.number, position);
-            for (int a = 0; a < 3; a++)
-                workspace->offset[first + i][a] = (position[a] - prepared->position[a]) * scale;
-        }
+        float position[3];
+        pm__position(map, neighbors[i].number, position);
+        for (int a = 0; a < 3; a++)
+            offset[i][a] = (position[a] - from[a]) * scale;
     }
 }
 
-/* The largest distance2 found; 0 where nothing was. */
-static float farthest_distance2(const pm_workspace *workspace, size_t count)
+/* from: the query's position in the map's frame; looked at only where offsets are gathered. Returns the largest
+ * distance2, in map units. */
+static float read_photons(const pm_map *map, const float from[3], const pm_neighbor *neighbors, size_t count,
+                          const pm__gathering *gathering, pm_workspace *workspace, size_t first)
 {
-    float farthest = 0.0f;
-    for (size_t i = 0; i < count; i++)
-        if (workspace->neighbors[i].distance2 > farthest)
-            farthest = workspace->neighbors[i].distance2;
+    const float scale = (float)(map->unit / gathering->unit);
+    const reading plain = {map->carried, map->carried_size, scale * scale, workspace->distance2 + first,
+                           workspace->flux + first};
+    const float farthest = read_plain(&plain, neighbors, count);
+    if (gathering->source && gathering->source->brdf)
+        add_brdf(map, neighbors, count, gathering->source, workspace->flux + first);
+    if (gathering->offsets)
+        read_offsets(map, neighbors, count, from, scale, workspace->offset + first);
     return farthest;
 }
 
-/* The workspace's neighbours, `count` of them, as set number `set`. */
-static pm_status gather_neighbors(const pm_map *map, const pm_query *query, const pm__query *prepared,
-                                  const pm__gathering *gathering, pm_workspace *workspace, size_t set, size_t count)
+/* The neighbours of a query as set number `set`. from: as of read_photons. */
+static pm_status gather_neighbors(const pm_map *map, const pm_query *query, const float from[3],
+                                  const pm_neighbor *neighbors, size_t count, const pm__gathering *gathering,
+                                  pm_workspace *workspace, size_t set)
 {
     if (gathering->source && gathering->source->brdf && !pm__has_directions(map))
         return PM_EINVAL;
@@ -73,16 +115,14 @@ static pm_status gather_neighbors(const pm_map *map, const pm_query *query, cons
     const pm_status status = pm__workspace_reserve(workspace, first + count, set + 1);
     if (status != PM_OK)
         return status;
-    if (gathering->sorted)
-        pm__sort_neighbors(map, workspace->neighbors, count);
-    read_photons(map, prepared, gathering, workspace, first, count);
+    const double farthest = (double)read_photons(map, from, neighbors, count, gathering, workspace, first);
     const double radius = (double)query->max_radius / gathering->unit, scale = map->unit / gathering->unit;
     const bool cut = !query->k || (count < query->k && !isinf(query->max_radius));
     workspace->first[set] = first;
     workspace->sets[set] = (pm__neighbors){
         .count = count,
         .cut = cut,
-        .radius2 = cut ? radius * radius : (double)farthest_distance2(workspace, count) * (scale * scale),
+        .radius2 = cut ? radius * radius : farthest * (scale * scale),
     };
     return PM_OK;
 }
@@ -95,20 +135,24 @@ pm_status pm__gather(const pm_map *map, const pm_query *query, const pm__gatheri
     pm_status status = pm__query_prepare(map, query, &prepared, NULL);
     if (status == PM_OK)
         status = find_neighbors(map, query, &prepared, workspace, &count);
-    return status == PM_OK ? gather_neighbors(map, query, &prepared, gathering, workspace, set, count) : status;
+    if (status == PM_OK && gathering->sorted)
+        pm__sort_neighbors(map, workspace->neighbors, count);
+    return status == PM_OK ? gather_neighbors(map, query, prepared.position, workspace->neighbors, count, gathering,
+                                              workspace, set)
+                           : status;
 }
 
-pm_status pm__gather_found(const pm_map *map, const pm_query *query, const pm_neighbor *neighbors, size_t count,
+/* The search has checked the query: it need not be prepared again but for its position. */
+pm_status pm__gather_found(const pm_map *map, const pm_query *query, pm_neighbor *neighbors, size_t count,
                            const pm__gathering *gathering, pm_workspace *workspace)
 {
-    pm__query prepared;
-    pm_status status = pm__query_prepare(map, query, &prepared, NULL);
-    if (status == PM_OK)
-        status = pm__workspace_reserve_neighbors(workspace, count);
+    pm__query prepared = {.k = 0};
+    const pm_status status = gathering->offsets ? pm__query_prepare(map, query, &prepared, NULL) : PM_OK;
     if (status != PM_OK)
         return status;
-    memcpy(workspace->neighbors, neighbors, count * sizeof *neighbors);
-    return gather_neighbors(map, query, &prepared, gathering, workspace, 0, count);
+    if (gathering->sorted)
+        pm__sort_neighbors(map, neighbors, count);
+    return gather_neighbors(map, query, prepared.position, neighbors, count, gathering, workspace, 0);
 }
 
 void pm__point_sets(pm_workspace *workspace, size_t set_count, bool offsets)

@@ -68,8 +68,8 @@ typedef struct pm__gathering {
  * photons without directions. */
 pm_status pm__gather(const pm_map *map, const pm_query *query, const pm__gathering *gathering,
                      pm_workspace *workspace, size_t set);
-/* The same, as the only set, from neighbours that a search for this query has found. */
-pm_status pm__gather_found(const pm_map *map, const pm_query *query, const pm_neighbor *neighbors, size_t count,
+/* The same, as the only set, from neighbours that a search for this query has found; they may be sorted. */
+pm_status pm__gather_found(const pm_map *map, const pm_query *query, pm_neighbor *neighbors, size_t count,
                            const pm__gathering *gathering, pm_workspace *workspace);
 void pm__point_sets(pm_workspace *workspace, size_t set_count, bool offsets);
 

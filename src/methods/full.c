@@ -17,6 +17,7 @@
 
 enum { GATHER, FRACTION, DIRECT };
 enum { RAYS, PHOTONS };
+enum { MOST_SENT = 16 }; /* caustic photons sent to specular surfaces for each that is to be stored: few get on, then */
 enum { SHADOW_PHOTONS = 32 }; /* looked at for a light's shadow: the papers do not say how many */
 
 static const pm__param params[] = {
@@ -47,15 +48,23 @@ static pm_status check(const pm__render_job *job, pm_error *error)
     return PM_OK;
 }
 
-static size_t lights_that_reach(const pm__render_job *job, bool specular)
+/* How many lights reach a specular surface; needs: where, and with what share of all power at most. */
+static size_t lights_that_reach(const pm__render_job *job, pm__needs *needs)
 {
-    pm__projection *projection = NULL;
+    const size_t count = pm__scene_light_count(job->scene);
+    double sum = 0.0, reaching = 0.0;
     size_t found = 0;
-    if (pm__projection_create(job->scene, specular, &projection, NULL) != PM_OK)
-        return pm__scene_light_count(job->scene); /* as if all did: what fails here fails again where it is told */
-    for (size_t i = 0; i < pm__scene_light_count(job->scene); i++)
-        found += pm__projection_share(projection, i) > 0.0;
-    pm__projection_destroy(projection);
+    needs->reach = 1.0;
+    if (pm__projection_create(job->scene, true, &needs->specular, NULL) != PM_OK)
+        return count; /* as if all did: what fails here fails again where it is told */
+    for (size_t i = 0; i < count; i++) {
+        const double *const power = pm__scene_light_at(job->scene, i)->power, all = power[0] + power[1] + power[2];
+        const double part = pm__projection_share(needs->specular, i);
+        found += part > 0.0;
+        sum += all;
+        reaching += part * all;
+    }
+    needs->reach = found ? reaching / sum : 0.0;
     return found;
 }
 
@@ -72,7 +81,7 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
 {
     const bool all = job->config->no_skip, photons = job->config->method->values[DIRECT] == PHOTONS;
     const size_t specular = pm__count_objects(job->scene, pm__is_specular);
-    const size_t reaching = specular ? lights_that_reach(job, true) : 0, lights = pm__scene_light_count(job->scene);
+    const size_t reaching = specular ? lights_that_reach(job, needs) : 0, lights = pm__scene_light_count(job->scene);
     const bool alone = !specular && pm__is_single_floor(job->scene, NULL);
     const bool indirect = pm__count_objects(job->scene, is_reflecting) && !alone;
     needs->caustic = all || reaching;
@@ -164,9 +173,11 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **made, pm_er
     full_state *const state = pm__alloc_zero(1, sizeof *state);
     if (!state)
         return pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
+    /* As many photons, whether they are sent there or everywhere, so that the image is the same. */
+    const double reach = job->needs.reach, most = !(reach > 0.0) || job->needs.projection ? MOST_SENT : MOST_SENT / reach;
     const pm__maps_wish caustic = {.paths = "LS+D", .photons = job->config->photons, .specular = job->needs.projection,
-                                   .emitted = !job->needs.projection, .rare = true, .estimates = true,
-                                   .trial = trial, .stream = 1};
+                                   .emitted = !(reach > 0.0), .most = most, .estimates = true, .trial = trial,
+                                   .stream = 1};
     pm_status status = PM_OK;
     if (job->needs.caustic)
         status = pm__maps_create(job, &caustic, &state->caustic, error);
@@ -336,7 +347,7 @@ static pm_status sample(const pm__render_job *job, const void *state, const pm__
     (void)truth;
     pm__maps_scratch scratch;
     gathering g = {.job = job, .state = state, .scratch = &scratch, .stride = pm__tile_pixels(tile)};
-    pm_status status = pm__maps_scratch_create(g.stride, job->config->k, &scratch);
+    pm_status status = pm__maps_scratch_create(PM__POINTS_AT_ONCE, job->config->k, &scratch);
     if (status == PM_OK)
         status = sample_tile(&g, tile, samples);
     pm__maps_scratch_destroy(&scratch);

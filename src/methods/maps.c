@@ -55,14 +55,15 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
 {
     const pm__render_config *const config = job->config;
     pm__paths *paths = NULL;
-    pm__projection *projection = NULL;
+    pm__projection *projection = wish->specular ? job->needs.specular : NULL;
+    const bool made = wish->specular && !projection;
     const double start = pm__seconds();
     pm_status status = pm__paths_create(wish->paths, &paths, error);
-    if (status == PM_OK && wish->specular)
+    if (status == PM_OK && made)
         status = pm__projection_create(job->scene, true, &projection, error);
     if (status != PM_OK || (projection && !reaches_any(job->scene, projection))) {
         pm__paths_destroy(paths);
-        pm__projection_destroy(projection);
+        pm__projection_destroy(made ? projection : NULL);
         return status; /* nothing is specular: there are no such photons */
     }
     const pm__shoot_config shooting = {.scene = job->scene,
@@ -73,19 +74,15 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
                                        .projection = projection,
                                        .count = count,
                                        .emitted = wish->emitted,
+                                       .most = (uint64_t)ceil(wish->most * (double)count),
                                        .normals = wish->normals || (wish->estimates && wants_normals(job)),
                                        .parallel = config->parallel,
                                        .canceled = config->canceled,
                                        .context = config->context};
     if (status == PM_OK)
         status = pm__shoot(&shooting, set, error);
-    if (status == PM_EINVAL && wish->rare) {
-        pm__shoot_config few = shooting;
-        few.emitted = true;
-        status = pm__shoot(&few, set, error);
-    }
     pm__paths_destroy(paths);
-    pm__projection_destroy(projection);
+    pm__projection_destroy(made ? projection : NULL);
     job->trace_s += pm__seconds() - start;
     if (status == PM_OK) {
         job->emitted += set->emitted;
@@ -198,7 +195,8 @@ void pm__maps_destroy(pm__maps *maps)
 
 pm_status pm__maps_scratch_create(size_t points, size_t neighbors, pm__maps_scratch *scratch)
 {
-    *scratch = (pm__maps_scratch){.queries = pm__alloc(points, sizeof *scratch->queries),
+    *scratch = (pm__maps_scratch){.points = points,
+                                  .queries = pm__alloc(points, sizeof *scratch->queries),
                                   .neighbors = pm__alloc(points * neighbors, sizeof *scratch->neighbors),
                                   .counts = pm__alloc(points, sizeof *scratch->counts),
                                   .which = pm__alloc(points, sizeof *scratch->which)};
@@ -329,7 +327,7 @@ static bool is_on_map(const pm__maps *maps, size_t image, bool even)
 /* What an estimator says must not depend on the others of the render, so photons are sorted for those alone that need
  * it: order tells in the last digits of a sum. */
 static pm_status estimate_on_map(const pm__maps *maps, bool sorted, const pm__eye *eye, const pm_query *query,
-                                 const pm_neighbor *neighbors, size_t count, const pm_source *source,
+                                 pm_neighbor *neighbors, size_t count, const pm_source *source,
                                  const double brdf[3], pm_workspace *workspace, pm__sample *samples, size_t stride)
 {
     const bool even = !source->brdf;
@@ -350,7 +348,7 @@ static pm_status estimate_on_map(const pm__maps *maps, bool sorted, const pm__ey
 }
 
 static pm_status estimate_at(const pm__maps *maps, const pm__eye *eye, const pm_query *query,
-                             const pm_neighbor *neighbors, size_t count, pm_workspace *workspace, pm__sample *samples,
+                             pm_neighbor *neighbors, size_t count, pm_workspace *workspace, pm__sample *samples,
                              size_t stride)
 {
     static const double one[3] = {1.0, 1.0, 1.0};
@@ -367,22 +365,36 @@ static pm_status estimate_at(const pm__maps *maps, const pm__eye *eye, const pm_
     return status;
 }
 
-pm_status pm__maps_estimate(const pm__maps *maps, const pm__eye *eyes, const bool *reached, size_t count,
-                            pm__maps_scratch *scratch, pm__sample *samples, size_t stride)
+/* At the points of scratch->which. */
+static pm_status estimate_some(const pm__maps *maps, const pm__eye *eyes, size_t points, pm__maps_scratch *scratch,
+                               pm__sample *samples, size_t stride)
 {
     const size_t k = maps->job->config->k;
-    size_t points = 0;
-    for (size_t i = 0; i < count; i++)
-        if (reached[i]) {
-            scratch->queries[points] = pm__maps_query(maps->job, eyes[i].hit.position, eyes[i].facing);
-            scratch->which[points++] = i;
-        }
-    memset(scratch->counts, 0, points * sizeof *scratch->counts);
     pm_status status = PM_OK;
+    memset(scratch->counts, 0, points * sizeof *scratch->counts);
     if (points && k && maps->shared)
         status = pm_map_search_batch(maps->map, scratch->queries, points, scratch->neighbors, k, scratch->counts);
     for (size_t p = 0; p < points && status == PM_OK; p++)
         status = estimate_at(maps, &eyes[scratch->which[p]], &scratch->queries[p], scratch->neighbors + p * k,
                              scratch->counts[p], scratch->workspace, &samples[scratch->which[p]], stride);
+    return status;
+}
+
+/* A few points at a time, so that what is found for them is still near when it is read. */
+pm_status pm__maps_estimate(const pm__maps *maps, const pm__eye *eyes, const bool *reached, size_t count,
+                            pm__maps_scratch *scratch, pm__sample *samples, size_t stride)
+{
+    size_t points = 0;
+    pm_status status = PM_OK;
+    for (size_t i = 0; i < count && status == PM_OK; i++) {
+        if (reached[i]) {
+            scratch->queries[points] = pm__maps_query(maps->job, eyes[i].hit.position, eyes[i].facing);
+            scratch->which[points++] = i;
+        }
+        if (points == scratch->points || i + 1 == count) {
+            status = estimate_some(maps, eyes, points, scratch, samples, stride);
+            points = 0;
+        }
+    }
     return status;
 }

@@ -26,7 +26,7 @@ typedef struct pm__maps_wish {
     size_t photons;
     bool emitted;   /* so many are emitted, however few are stored; else stored */
     bool specular;  /* photons are sent where specular surfaces are */
-    bool rare;      /* where next to none is stored, so many are emitted instead: perhaps there is none */
+    double most;    /* emitted for each that is to be stored, at most: perhaps there is none; 0: no limit */
     bool normals;
     bool estimates; /* each estimator gets what it needs beside the map */
     uint32_t trial;
@@ -38,8 +38,12 @@ typedef struct pm__maps_wish {
 pm_status pm__maps_create(pm__render_job *job, const pm__maps_wish *wish, pm__maps *maps, pm_error *error);
 void pm__maps_destroy(pm__maps *maps); /* an empty one is allowed */
 
+/* Points that are looked up at once: few enough that what is found for them is still near when it is read. */
+enum { PM__POINTS_AT_ONCE = 32 };
+
 /* Working memory for one thread: so many points at once, so many neighbours each. */
 typedef struct pm__maps_scratch {
+    size_t points;
     pm_workspace *workspace;
     pm_query *queries;
     pm_neighbor *neighbors;

@@ -10,6 +10,8 @@
 /* What the plan says is to be done. */
 typedef struct pm__needs {
     bool caustic;    /* full: a caustic map, and its estimates */
+    pm__projection *specular; /* full: where specular surfaces are; the job's. NULL: not made */
+    double reach;    /* full: the share of all lights' power that is sent there */
     bool projection; /* photons of the caustic map are sent where specular surfaces are */
     bool global;     /* full: indirect light */
     bool front;      /* lookups must refuse photons from behind */
@@ -58,7 +60,7 @@ typedef struct pm__method {
     /* The maps of a trial. job: counts and times are added. NULL: none. */
     pm_status (*prepare)(pm__render_job *job, uint32_t trial, void **state, pm_error *error);
     /* samples: [image * pixels + pixel], all 0 before; truth: [pixel], NULL unless job->truth. Called by several
-     * threads for different tiles. */
+     * threads for different tiles. state NULL (visualize only): no estimate is made, as if no photon were stored. */
     pm_status (*sample)(const pm__render_job *job, const void *state, const pm__tile *tile, pm__sample *samples,
                         double (*truth)[3]);
     void (*release)(void *state);

@@ -5,7 +5,7 @@
 #include "../base/parallel.h"
 #include "../base/sobol.h"
 #include "../lookup/lookup.h"
-#include "film.h"
+#include "job.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -106,15 +106,16 @@ static pm_status find_reference(pm__render_job *job, pm_error *error)
     return pm__reference_fits(&job->reference.radiance, job->config->width, job->config->height, error);
 }
 
-static void close_job(pm__render_job *job)
+void pm__job_close(pm__render_job *job)
 {
     pm__reference_free(&job->reference);
+    pm__projection_destroy(job->needs.specular);
     pm__scene_destroy(job->scene);
+    job->needs.specular = NULL;
     job->scene = NULL;
 }
 
-/* Everything but maps: nothing is traced yet. */
-static pm_status open_job(pm__render_job *job, const pm__render_config *config, pm__plan *plan, pm_error *error)
+pm_status pm__job_open(pm__render_job *job, const pm__render_config *config, pm__plan *plan, pm_error *error)
 {
     *job = (pm__render_job){.config = config,
                             .subject = (const pm__case *)(const void *)config->scene->entry,
@@ -133,7 +134,7 @@ static pm_status open_job(pm__render_job *job, const pm__render_config *config, 
         *plan = (pm__plan){.count = 0};
         method->plan(job, plan, &job->needs);
     } else {
-        close_job(job);
+        pm__job_close(job);
     }
     return status;
 }
@@ -141,9 +142,9 @@ static pm_status open_job(pm__render_job *job, const pm__render_config *config, 
 pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_error *error)
 {
     pm__render_job job;
-    const pm_status status = open_job(&job, config, plan, error);
+    const pm_status status = pm__job_open(&job, config, plan, error);
     if (status == PM_OK)
-        close_job(&job);
+        pm__job_close(&job);
     return status;
 }
 
@@ -171,7 +172,6 @@ void pm__tile_eye(const pm__render_job *job, const pm__tile *tile, size_t index,
     pm__eye_start(eye, job->scene, &numbers, job->camera.eye, direction);
 }
 
-/* One pass over the image. */
 typedef struct pass_work {
     const pm__render_job *job;
     const void *state;
@@ -208,6 +208,15 @@ static void run_tile(void *argument, size_t index)
     else
         atomic_store(&work->failure, (int)status);
     free(samples);
+}
+
+pm_status pm__job_pass(const pm__render_job *job, const void *state, size_t pass, size_t trial, pm__film *film,
+                       bool *cut)
+{
+    pass_work work = {.job = job, .state = state, .film = film, .pass = (uint32_t)pass, .trial = (uint32_t)trial};
+    pm__for(job->config->parallel, film->tiles, run_tile, &work);
+    *cut = atomic_load(&work.cut);
+    return (pm_status)atomic_load(&work.failure);
 }
 
 /* ---- Trials ------------------------------------------------------------------------------------ */
@@ -255,12 +264,10 @@ static pm_status run_passes(const pm__render_job *job, const void *state, schedu
     size_t pass = 0;
     for (; goes_on(s, trial, pass) && !result->interrupted; pass++) {
         const double start = pm__seconds();
-        pass_work work = {.job = job, .state = state, .film = film, .pass = (uint32_t)pass, .trial = (uint32_t)trial};
-        pm__for(job->config->parallel, film->tiles, run_tile, &work);
+        const pm_status status = pm__job_pass(job, state, pass, trial, film, &result->interrupted);
         s->last_pass = pm__seconds() - start;
-        result->interrupted = atomic_load(&work.cut);
-        if (atomic_load(&work.failure))
-            return (pm_status)atomic_load(&work.failure);
+        if (status != PM_OK)
+            return status;
         report(s, trial, pass + 1);
     }
     if (!trial)
@@ -325,7 +332,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
     pm__plan plan;
     pm__film film;
     *result = (pm__render_result){.count = 0};
-    pm_status status = open_job(&job, config, &plan, error);
+    pm_status status = pm__job_open(&job, config, &plan, error);
     if (status != PM_OK)
         return status;
     pm_error why = {""};
@@ -336,7 +343,7 @@ pm_status pm__render(const pm__render_config *config, pm__render_result *result,
             status = develop(&job, &film, result, &why);
         pm__film_destroy(&film);
     }
-    close_job(&job);
+    pm__job_close(&job);
     return status ? pm__fail(error, status, "%s", *why.text ? why.text : pm_status_text(status)) : PM_OK;
 }
 

@@ -124,8 +124,10 @@ static pm_status sample(const pm__render_job *job, const void *state, const pm__
         if (truth)
             find_truth(job, &eyes[p], reached[p], truth[p]);
     }
+    if (!maps)
+        return PM_OK;
     pm__maps_scratch scratch;
-    pm_status status = pm__maps_scratch_create(count, job->config->k, &scratch);
+    pm_status status = pm__maps_scratch_create(PM__POINTS_AT_ONCE, job->config->k, &scratch);
     if (status == PM_OK)
         status = pm__maps_estimate(maps, eyes, reached, count, &scratch, samples, count);
     pm__maps_scratch_destroy(&scratch);

@@ -5,8 +5,8 @@
 
 /* Which planes lie behind a ray, and which is the nearest, is as good as random: no branches. */
 enum { LANES = 4 };
-typedef double lanes __attribute__((vector_size(8 * LANES)));
-typedef int64_t mask __attribute__((vector_size(8 * LANES)));
+typedef double lanes __attribute__((vector_size(8 * LANES), may_alias));
+typedef int64_t mask __attribute__((vector_size(8 * LANES), may_alias));
 
 void pm__flats_add(pm__flats *flats, const pm__shape *shape, uint32_t number)
 {

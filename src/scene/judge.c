@@ -47,6 +47,18 @@ static bool is_neighbour(const pm__query *q, const pm__geometry *mesh, uint32_t 
     return fabs(pm__dot(normal, mesh->planes[end - mesh->first].normal)) > 1.0 - 1e-9;
 }
 
+/* Next to an edge Embree in float may let a ray cross both of its triangles, one behind the other within rounding. From
+ * front to back, or from back to front, a surface is crossed but once: the second is refused. In a corner that the ray
+ * is on its way into the signs differ, and across a sharp edge too. */
+static bool is_crossed(const pm__query *q, const pm__geometry *mesh, const pm__plane *plane, double distance)
+{
+    if (q->from == PM__NO_SHAPE || q->from < mesh->first || q->from - mesh->first >= mesh->count ||
+        distance > 4.0 * FLOAT_PLANE * q->scene->rounding)
+        return false;
+    const double *const d = q->ray.direction;
+    return pm__dot(mesh->planes[q->from - mesh->first].normal, d) * pm__dot(plane->normal, d) > 0.0;
+}
+
 /* Where the ray meets the plane of a triangle that Embree has found it to pass through. */
 static bool meet_triangle(const pm__query *q, const pm__geometry *mesh, uint32_t number, double *distance)
 {
@@ -58,7 +70,7 @@ static bool meet_triangle(const pm__query *q, const pm__geometry *mesh, uint32_t
         (q->to != PM__NO_SHAPE && is_neighbour(q, mesh, q->to, plane->normal, above_plane(plane, q->end))))
         return false;
     *distance = -above / pm__dot(plane->normal, q->ray.direction);
-    return *distance > 0.0 && *distance <= q->ray.reach;
+    return *distance > 0.0 && *distance <= q->ray.reach && !is_crossed(q, mesh, plane, *distance);
 }
 
 bool pm__query_meet(pm__query *q, const pm__geometry *geometry, uint32_t number, double *distance)

@@ -12,6 +12,9 @@
  * Where a path stores one photon at most, this is (N - 1)/(e - 1)/N for each. The o that are too many are dropped at
  * random among all, so that each left stands for S/N.
  *
+ * Where tracing ends with path m at the latest, and there are not N by then, each stands for 1/m: the orders of those paths
+ * are equally likely too, and none ends sooner, so that the two cases together are unbiased.
+ *
  * A sampler's set must be whole, so its size may not depend on what it stores: a trial run settles it. */
 #include "shoot.h"
 
@@ -140,10 +143,11 @@ static pm_status shoot_stored(const pm__shoot_config *config, const pm__emission
                               pm_error *error)
 {
     const pm__trace_config tracing = {config->scene, config->paths, config->seed, config->trial, emission};
-    pm_status status = pm__harvest_paths(config, trace_range, &tracing, emission->total, 0, PM__MOST_TRACED,
-                                         config->count, h, error);
+    pm_status status = pm__harvest_paths(config, trace_range, &tracing, emission->total, 0,
+                                         config->most ? config->most : PM__MOST_TRACED, config->count, h, error);
     if (status == PM_OK && h->count < config->count)
-        status = too_few(h, config->count, error);
+        return config->most ? scale(h, 0, h->count, 1.0 / (double)h->emitted, error)
+                            : too_few(h, config->count, error);
     if (status == PM_OK)
         status = scale_stored(h, config->count, emission->total, error);
     if (status == PM_OK)
@@ -177,10 +181,13 @@ static pm_status try_out(const pm__shoot_config *config, const pm__emission *emi
                                          PM__MOST_TRACED / 2, wanted, &h, error);
     if (status != PM_OK)
         return status;
-    if (h.count < wanted)
+    const double needed = fmax(1.0, rint((double)config->count * (double)h.emitted / (double)h.count));
+    if (config->most && !(h.count >= wanted && needed < (double)config->most))
+        *count = config->most;
+    else if (h.count < wanted)
         status = too_few(&h, wanted, error);
     else
-        *count = (uint64_t)fmax(1.0, rint((double)config->count * (double)h.emitted / (double)h.count));
+        *count = (uint64_t)needed;
     pm__harvest_free(&h);
     return status;
 }
@@ -195,7 +202,7 @@ static pm_status shoot_spread(const pm__shoot_config *config, pm__emission *emis
     if (status != PM_OK)
         return status;
     status = shoot_emitted(config, emission, pm__emission_count(emission), tracer, h, error);
-    if (status == PM_OK && !config->emitted && h->count == 0)
+    if (status == PM_OK && !config->emitted && !config->most && h->count == 0)
         status = too_few(h, config->count, error);
     pm__emission_free(emission);
     return status;

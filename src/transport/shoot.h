@@ -15,6 +15,7 @@ typedef struct pm__shoot_config {
     const pm__projection *projection; /* where photons are sent; NULL: everywhere */
     size_t count;                     /* photons ... */
     bool emitted;                     /* ... emitted; else stored */
+    uint64_t most;                    /* emitted, when so many are to be stored: fewer are then; 0: no limit */
     bool normals;                     /* surface normals are wanted too */
     const pm_parallel *parallel;      /* NULL: this thread */
     bool (*canceled)(void *context);  /* NULL: never. Asked by several threads */
@@ -32,7 +33,7 @@ typedef struct pm__photon_set {
  * `emitted` any number. With independent photons exactly `count` are stored when so many are asked for; with other
  * samplers about as many, since a set of points must be whole: how many are emitted is then settled by a trial run with
  * numbers of its own. The same photons in the same order for any parallel. EINVAL: next to none is stored (error says
- * of how many); ENOMEM; ECANCELED. On error the set is empty. */
+ * of how many), and `most` is 0; ENOMEM; ECANCELED. On error the set is empty. */
 pm_status pm__shoot(const pm__shoot_config *config, pm__photon_set *set, pm_error *error);
 void pm__photon_set_free(pm__photon_set *set); /* an empty set is allowed */
 

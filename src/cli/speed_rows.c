@@ -1,0 +1,178 @@
+#include "speed_rows.h"
+
+#include "wrap.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The fields, in the order that scripts rely on; each with what fills it in. */
+#define FIELDS(X)                                                 \
+    X(scene, text(from->scene))                                   \
+    X(quantity, text(pm__quantity_names[row->quantity]))          \
+    X(method, text(row->method))                                  \
+    X(photons, pm__count_cell(row->photons))                      \
+    X(threads, pm__count_cell(row->threads))                      \
+    X(seconds, number(row->seconds))                              \
+    X(baseline, text(row->baseline))                              \
+    X(baseline_seconds, number(row->baseline_seconds))            \
+    X(ratio, number(row->ratio))                                  \
+    X(ratio_ci95, interval(row->ratio_ci95))                      \
+    X(promise, number(row->promise))                              \
+    X(samples, pm__count_cell(row->samples))                      \
+    X(status, text(row->status))                                  \
+    X(detail, text(*row->detail ? row->detail : NULL))            \
+    X(agree, row->compared ? pm__flag_cell(row->agree) : absent)  \
+    X(aa_ratio, number(row->aa_ratio))                            \
+    X(aa_ratio_ci95, interval(row->aa_ci95))                      \
+    X(warning, text(row->warning))
+
+static const char *const fields[] = {
+#define X(name, value) #name,
+    FIELDS(X)
+#undef X
+};
+
+enum { FIELD_COUNT = sizeof fields / sizeof *fields };
+
+typedef struct source {
+    const pm__speed_row *rows;
+    char scene[PM__MAX_SPEC];
+} source;
+
+static pm__cell text(const char *value)
+{
+    return pm__text_cell(value);
+}
+
+static pm__cell number(double value)
+{
+    return pm__number_cell(value);
+}
+
+static pm__cell interval(pm__interval value)
+{
+    return pm__interval_cell(value.low, value.high);
+}
+
+static void fill_row(void *context, size_t index, pm__cell *cells)
+{
+    source *const from = context;
+    const pm__speed_row *const row = &from->rows[index];
+    const pm__cell absent = {.type = PM__ABSENT};
+    pm__spec_format(&row->scene, from->scene, sizeof from->scene);
+    const pm__cell filled[FIELD_COUNT] = {
+#define X(name, value) value,
+        FIELDS(X)
+#undef X
+    };
+    memcpy(cells, filled, sizeof filled);
+}
+
+static json_t *names_of_quantities(const pm__speed_config *config)
+{
+    json_t *const list = json_array();
+    for (int q = 0; q < PM__QUANTITIES; q++)
+        if (!config->quantities || config->quantities & 1U << q)
+            (void)json_array_append_new(list, json_string(pm__quantity_names[q]));
+    return list;
+}
+
+/* Everything that is needed to run the same again. */
+static json_t *options_of(const pm__speed_config *config)
+{
+    char size[48];
+    json_t *const options = json_object();
+    (void)snprintf(size, sizeof size, "%zux%zu", config->width, config->height);
+    (void)json_object_set_new(options, "scene", config->scene_count
+                                                    ? pm__spec_names(config->scenes, config->scene_count)
+                                                    : json_null());
+    (void)json_object_set_new(options, "quantity", names_of_quantities(config));
+    (void)json_object_set_new(options, "photons", json_integer((json_int_t)config->photons));
+    (void)json_object_set_new(options, "k", json_integer((json_int_t)config->k));
+    (void)json_object_set_new(options, "size", json_string(size));
+    (void)json_object_set_new(options, "seconds", json_real(config->seconds));
+    (void)json_object_set_new(options, "threads", json_integer((json_int_t)config->threads));
+    return options;
+}
+
+pm_status pm__speed_write(const pm__settings *settings, const pm__speed_config *config, const pm__speed_row *rows,
+                          size_t count, double wall_s, bool interrupted, pm__sinks *sinks, pm_error *error)
+{
+    source from = {.rows = rows};
+    json_t *const options = options_of(config);
+    const pm__results results = {.command = "speed",
+                                 .options = options,
+                                 .settings = settings,
+                                 .seeded = true,
+                                 .wall_s = wall_s,
+                                 .interrupted = interrupted,
+                                 .fields = fields,
+                                 .field_count = FIELD_COUNT,
+                                 .plain_count = FIELD_COUNT,
+                                 .row_count = count,
+                                 .row = fill_row,
+                                 .context = &from};
+    const pm_status status = pm__sinks_finish(sinks, &results, error);
+    json_decref(options);
+    return status;
+}
+
+/* ---- On the screen ----------------------------------------------------------------------------- */
+
+static void print_head(FILE *file, const pm__speed_row *row)
+{
+    static const char *const what[PM__QUANTITIES] = {
+        "photons traced on one thread; times the rate of Embree alone on the same rays",
+        "photons shot on all threads; times the rate of one",
+        "the image of a photon map; times the rate of its rays and its bare search",
+        "a render of what the scene needs; times the rate with all that is skipped (--no-skip)"};
+    (void)fprintf(file, "%s: %s\n", pm__quantity_names[row->quantity], what[row->quantity]);
+    (void)fprintf(file, "  %-28s %-10s %10s %10s %8s  %-16s %7s  %s\n", "", "", "ms", "baseline", "ratio",
+                  "95 % interval", "promise", "");
+}
+
+static void number_text(double value, int digits, char out[24])
+{
+    if (isfinite(value))
+        (void)snprintf(out, 24, "%.*f", digits, value);
+    else
+        (void)snprintf(out, 24, "-");
+}
+
+static int digits_of(double ms)
+{
+    return ms < 9.995 ? 3 : ms < 99.95 ? 2 : ms < 999.5 ? 1 : 0;
+}
+
+static void print_row(FILE *file, const pm__speed_row *row)
+{
+    char scene[PM__MAX_SPEC], ms[24], base[24], ratio[24], promise[24], ci95[48] = "";
+    pm__spec_format_short(&row->scene, scene, sizeof scene);
+    number_text(1e3 * row->seconds, digits_of(1e3 * row->seconds), ms);
+    number_text(1e3 * row->baseline_seconds, digits_of(1e3 * row->baseline_seconds), base);
+    number_text(row->ratio, 3, ratio);
+    number_text(row->promise, 3, promise);
+    if (isfinite(row->ratio_ci95.low))
+        (void)snprintf(ci95, sizeof ci95, "[%.3f, %.3f]", row->ratio_ci95.low, row->ratio_ci95.high);
+    (void)fprintf(file, "  %-28.28s %-10s %10s %10s %8s  %-16s %7s  %s\n", scene, row->method ? row->method : "", ms,
+                  base, ratio, ci95, promise, row->status);
+    if (*row->detail) {
+        (void)fputs("      ", file);
+        pm__wrap(file, row->detail, 6, 6);
+    }
+    if (row->warning) {
+        (void)fputs("      warning: ", file);
+        pm__wrap(file, row->warning, 15, 6);
+    }
+}
+
+void pm__speed_print(FILE *file, const pm__speed_row *rows, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!i || rows[i].quantity != rows[i - 1].quantity) {
+            (void)fputs(i ? "\n" : "", file);
+            print_head(file, &rows[i]);
+        }
+        print_row(file, &rows[i]);
+    }
+}
