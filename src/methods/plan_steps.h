@@ -7,9 +7,9 @@
 size_t pm__count_objects(const pm__scene *scene, bool (*is)(const pm__material *material));
 bool pm__is_specular(const pm__material *material);
 bool pm__is_glossy(const pm__material *material);
-/* Are all rough surfaces in one plane, and everything, lights and the camera included, on one side of it? Then no photon
- * comes from behind, none of another surface is near, and the side without light is not seen. eye: NULL: it does not
- * matter from where it is seen. */
+/* Are all rough surfaces in one plane, and everything, lights and the camera included, on one side of it? Then no
+ * photon comes from behind, none of another surface is near, and the side without light is not seen. eye: NULL: it does
+ * not matter from where it is seen. */
 bool pm__is_single_floor(const pm__scene *scene, const double eye[3]);
 
 /* A step with a reason, as by printf. */
