@@ -19,10 +19,10 @@ typedef struct pm__variant {
 } pm__variant;
 
 /* How photons are dealt to several maps. */
-typedef struct pm__deal {
+typedef struct pm__deal_kind {
     size_t maps;
     double how; /* the choice of `deal`: separate, random, roundrobin */
-} pm__deal;
+} pm__deal_kind;
 
 typedef struct pm__job {
     const pm__accuracy_config *config;
@@ -45,7 +45,7 @@ typedef struct pm__job {
     double max_radius;     /* m */
     bool offsets;          /* some variant asks for them */
 
-    pm__deal deals[PM__MAX_VARIETIES];
+    pm__deal_kind deals[PM__MAX_VARIETIES];
     size_t deal_count;
     double fractions[PM__MAX_VARIETIES]; /* of photons that carry an estimate */
     size_t fraction_count;
@@ -109,9 +109,9 @@ pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, ui
 bool pm__is_about(const pm__job *job); /* does the count differ from trial to trial? */
 /* deal.maps of them, of the photons given or (separate) of samples of their own. On error those made are the
  * caller's. */
-pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm__photon_set *set,
+pm_status pm__deal_maps(const pm__job *job, const pm__deal_kind *deal, uint32_t trial, const pm__photon_set *set,
                         pm_map **maps);
-bool pm__is_separate(const pm__deal *deal);
+bool pm__is_separate(const pm__deal_kind *deal);
 pm_status pm__trial_maps_create(const pm__job *job, uint32_t trial, pm__trial_maps *maps);
 void pm__trial_maps_destroy(pm__trial_maps *maps);
 

@@ -2,15 +2,14 @@
 #include "bench.h"
 
 #include "../base/memory.h"
+#include "../transport/deal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { SEPARATE, RANDOM, ROUND_ROBIN }; /* the choices of combined's `deal` */
-
-bool pm__is_separate(const pm__deal *deal)
+bool pm__is_separate(const pm__deal_kind *deal)
 {
-    return deal->how == SEPARATE;
+    return deal->how == PM__DEAL_SEPARATE;
 }
 
 /* Separately drawn maps are trials of their own: numbers that no trial reaches. */
@@ -103,24 +102,19 @@ pm_status pm__draw_photons(const pm__job *job, uint32_t trial, uint32_t part, ui
     return PM_OK;
 }
 
-/* To which of the deal's maps photon i goes. */
-static size_t map_of(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t i)
+/* Of a map for the search that the bench uses, built on this thread. */
+static pm_map_options options_of(const pm__job *job)
 {
-    if (deal->how == ROUND_ROBIN)
-        return i % deal->maps;
-    double u;
-    pm__random_uniform(job->config->seed, PM__FOR_DEALING, trial, i, &u, 1);
-    return (size_t)(u * (double)deal->maps);
+    return (pm_map_options){.search = pm_search_find(job->config->search)};
 }
 
-/* A map for the search that the bench uses, built on this thread. */
 static pm_status make_map(const pm__job *job, const pm_photon *photons, size_t count, pm_map **map)
 {
-    const pm_map_options options = {.search = pm_search_find(job->config->search)};
+    const pm_map_options options = options_of(job);
     return pm_map_create(photons, count, &options, map, NULL);
 }
 
-static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t trial, size_t m, pm_map **map)
+static pm_status separate_map(const pm__job *job, const pm__deal_kind *deal, uint32_t trial, size_t m, pm_map **map)
 {
     const size_t share = pm__share(job->photons, deal->maps, m);
     pm__photon_set part;
@@ -131,42 +125,15 @@ static pm_status separate_map(const pm__job *job, const pm__deal *deal, uint32_t
     return status;
 }
 
-/* Photons by map, each map's in the order in which they were drawn; end[m]: where map m's end. hand: room for all. */
-static pm_status deal_photons(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm__photon_set *set,
-                              pm_photon *hand, size_t end[PM__MAX_MAPS])
-{
-    unsigned char *const to = pm__alloc(set->count, sizeof *to);
-    size_t next[PM__MAX_MAPS] = {0}, sum = 0;
-    if (!to)
-        return PM_ENOMEM;
-    for (size_t i = 0; i < set->count; i++) {
-        to[i] = (unsigned char)map_of(job, deal, trial, i);
-        next[to[i]]++;
-    }
-    for (size_t m = 0; m < deal->maps; m++) {
-        sum += next[m];
-        next[m] = sum - next[m];
-        end[m] = sum;
-    }
-    for (size_t i = 0; i < set->count; i++)
-        hand[next[to[i]]++] = set->photons[i];
-    free(to);
-    return PM_OK;
-}
-
-static pm_status dealt_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm__photon_set *set,
+static pm_status dealt_maps(const pm__job *job, const pm__deal_kind *deal, uint32_t trial, const pm__photon_set *set,
                             pm_map **maps)
 {
-    size_t end[PM__MAX_MAPS];
-    pm_photon *const hand = pm__alloc(set->count, sizeof *hand);
-    pm_status status = hand ? deal_photons(job, deal, trial, set, hand, end) : PM_ENOMEM;
-    for (size_t m = 0, first = 0; m < deal->maps && status == PM_OK; first = end[m++])
-        status = make_map(job, hand + first, end[m] - first, &maps[m]);
-    free(hand);
-    return status;
+    const pm__dealing dealing = {deal->maps, deal->how == PM__DEAL_ROUND_ROBIN, job->config->seed, trial};
+    const pm_map_options options = options_of(job);
+    return pm__deal(&dealing, set->photons, set->count, &options, maps, NULL);
 }
 
-pm_status pm__deal_maps(const pm__job *job, const pm__deal *deal, uint32_t trial, const pm__photon_set *set,
+pm_status pm__deal_maps(const pm__job *job, const pm__deal_kind *deal, uint32_t trial, const pm__photon_set *set,
                         pm_map **maps)
 {
     pm_status status = PM_OK;

@@ -4,6 +4,7 @@
 #include "../base/memory.h"
 #include "../map/structure.h"
 #include "../search/search.h"
+#include "../transport/deal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -102,19 +103,19 @@ static double limit_radius(const pm__job *job, size_t k)
     return reach > 0.0 ? reach : INFINITY;
 }
 
-static bool same_deal(const pm__deal *a, const pm__deal *b)
+static bool same_deal(const pm__deal_kind *a, const pm__deal_kind *b)
 {
     return a->maps == b->maps && a->how == b->how;
 }
 
-static pm__deal deal_of(const pm__spec *spec)
+static pm__deal_kind deal_of(const pm__spec *spec)
 {
-    return (pm__deal){pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
+    return (pm__deal_kind){pm__map_count_of(spec), pm__spec_value(spec, "deal", 0.0)};
 }
 
 static size_t variety_of_deal(pm__job *job, const pm__spec *spec)
 {
-    const pm__deal deal = deal_of(spec);
+    const pm__deal_kind deal = deal_of(spec);
     size_t i = 0;
     while (i < job->deal_count && !same_deal(&job->deals[i], &deal))
         i++;
@@ -186,7 +187,7 @@ static pm_status check_k(const pm__job *job, const pm__variant *v, pm_error *err
                         "--k %zu is more than the %zu photons that --sampler %s draws for --photons %zu in case %s",
                         v->k, job->photons, job->sampler_spec->entry->name, job->asked_photons,
                         job->case_spec->entry->name);
-    const pm__deal deal = deal_of(v->spec);
+    const pm__deal_kind deal = deal_of(v->spec);
     return deal.maps > 1 && pm__is_separate(&deal) ? check_shares(job, v, error) : PM_OK;
 }
 
@@ -289,7 +290,7 @@ static double trial_bytes(const pm__job *job)
     const double photon = sizeof(pm_photon), deals = (double)job->deal_count;
     const double map = pm__bytes_when_built(structure_of(job), true);
     const double building = pm__bytes_to_build(structure_of(job), true) - map;
-    double held = photon + map + deals * map, passing = building + (job->deal_count ? photon + 1.0 : 0.0);
+    double held = photon + map + deals * map, passing = building + (job->deal_count ? PM__BYTES_TO_DEAL : 0.0);
     for (size_t f = 0; f < job->fraction_count; f++) {
         held += job->fractions[f] * (map + NUMBER + NORMAL);
         passing = fmax(passing, NUMBER + job->fractions[f] * (photon + building));

@@ -1,11 +1,11 @@
 /* Time per query and cost of each variant, on one thread, as one user of that variant alone would pay. */
 #include "bench.h"
 
+#include "../base/clock.h"
 #include "../base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { BATCHES = 13, MINIMUM_QUERIES = 8 };
 static const double batch_seconds = 150e-6; /* thousands of ticks of the clock */
@@ -18,13 +18,6 @@ typedef struct stopwatch {
     bool at_photon; /* time the estimate at carriers, not the lookup of one */
     double checksum;
 } stopwatch;
-
-static double now(void)
-{
-    struct timespec t;
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static pm_status estimate_sets(stopwatch *w, const pm_query *query, size_t set_count)
 {
@@ -86,13 +79,13 @@ static pm_status one_query(stopwatch *w)
 
 static pm_status run_batch(stopwatch *w, size_t queries, double *seconds)
 {
-    const double start = now();
+    const double start = pm__seconds();
     for (size_t i = 0; i < queries; i++) {
         const pm_status status = one_query(w);
         if (status != PM_OK)
             return status;
     }
-    *seconds = (now() - start) / (double)queries;
+    *seconds = (pm__seconds() - start) / (double)queries;
     return PM_OK;
 }
 
@@ -117,12 +110,12 @@ typedef struct setup_times {
     double deal[PM__MAX_VARIETIES]; /* and build; of separate maps: draw and build */
 } setup_times;
 
-static pm_status time_deal(const pm__job *job, const pm__deal *deal, const pm__photon_set *set, double *seconds)
+static pm_status time_deal(const pm__job *job, const pm__deal_kind *deal, const pm__photon_set *set, double *seconds)
 {
     pm_map *maps[PM__MAX_MAPS] = {NULL};
-    const double start = now();
+    const double start = pm__seconds();
     const pm_status status = pm__deal_maps(job, deal, 0, set, maps);
-    *seconds = now() - start;
+    *seconds = pm__seconds() - start;
     for (size_t m = 0; m < deal->maps; m++)
         pm_map_destroy(maps[m]);
     return status;
@@ -132,20 +125,20 @@ static pm_status time_setup(const pm__job *job, setup_times *times)
 {
     memset(times, 0, sizeof *times);
     pm__photon_set set;
-    double start = now();
+    double start = pm__seconds();
     pm_status status = pm__draw_photons(job, 0, 0, 1, job->asked_photons, false, &set);
-    times->draw = now() - start;
-    start = now();
+    times->draw = pm__seconds() - start;
+    start = pm__seconds();
     pm_map *map = NULL;
     const pm_map_options options = {.search = pm_search_find(job->config->search)};
     if (status == PM_OK)
         status = pm_map_create(set.photons, set.count, &options, &map, NULL);
-    times->build = now() - start;
+    times->build = pm__seconds() - start;
     for (size_t f = 0; f < job->fraction_count && status == PM_OK; f++) {
         pm__carriers carriers;
-        start = now();
+        start = pm__seconds();
         status = pm__carriers_create(&carriers, map, job->fractions[f], NULL, NULL);
-        times->carriers[f] = now() - start;
+        times->carriers[f] = pm__seconds() - start;
         if (status == PM_OK)
             pm__carriers_destroy(&carriers);
     }

@@ -24,3 +24,11 @@ void pm__random_uniform(uint64_t seed, pm__purpose purpose, uint32_t trial, uint
             u[i + 1] = (double)(((uint64_t)w[2] << 32 | w[3]) >> 11) * 0x1p-53;
     }
 }
+
+void pm__random_triple(uint64_t seed, pm__purpose purpose, uint32_t trial, uint64_t number, uint32_t block, double u[3])
+{
+    uint32_t w[4];
+    pm__random_words(seed, purpose, trial, number, block, w);
+    for (int i = 0; i < 3; i++) /* by way of int64_t: one instruction where an unsigned number takes several */
+        u[i] = (double)(int64_t)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
+}

@@ -25,4 +25,9 @@ void pm__random_words(uint64_t seed, pm__purpose purpose, uint32_t trial, uint64
 /* `count` uniform numbers in [0, 1), 53 bits each. */
 void pm__random_uniform(uint64_t seed, pm__purpose purpose, uint32_t trial, uint64_t number, double *u, int count);
 
+/* Three uniform numbers in [0, 1) of 42 bits from one block: for a path that takes a block a step, so that what it
+ * meets does not depend on how many numbers were taken before. */
+void pm__random_triple(uint64_t seed, pm__purpose purpose, uint32_t trial, uint64_t number, uint32_t block,
+                       double u[3]);
+
 #endif

@@ -9,6 +9,19 @@ static inline double pm__dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static inline double pm__sum(const double v[3])
+{
+    return v[0] + v[1] + v[2];
+}
+
+/* c must be neither a nor b. */
+static inline void pm__cross(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 /* Returns the length that was; a vector of length 0 stays. Free of overflow: scaled by its largest component. */
 static inline double pm__normalize(double v[3])
 {

@@ -2,10 +2,10 @@
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
-#include "../base/random.h"
 #include "../map/ply_reader.h"
 #include "../map/structure.h"
 #include "../search/search.h"
+#include "../transport/deal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -22,12 +22,9 @@ static size_t maps_of(const pm__estimate *e)
     return estimator_of(e)->needs & PM__MAPS ? (size_t)pm__spec_value(e->spec, "maps", 1.0) : 1;
 }
 
-/* The choices of `deal`, in the estimator's order. */
-enum { DEAL_SEPARATE, DEAL_RANDOM, DEAL_ROUND_ROBIN };
-
 static int deal_of(const pm__estimate *e)
 {
-    return (int)pm__spec_value(e->spec, "deal", DEAL_RANDOM);
+    return (int)pm__spec_value(e->spec, "deal", PM__DEAL_RANDOM);
 }
 
 pm_status pm__estimate_check(const pm__estimate *e, pm_error *error)
@@ -39,7 +36,7 @@ pm_status pm__estimate_check(const pm__estimate *e, pm_error *error)
                         estimator->entry.name);
     if (!(estimator->dimensions & 4))
         return pm__fail(error, PM_EINVAL, "--estimator %s does not work on surfaces", estimator->entry.name);
-    if (maps > 1 && deal_of(e) == DEAL_SEPARATE)
+    if (maps > 1 && deal_of(e) == PM__DEAL_SEPARATE)
         return pm__fail(error, PM_EINVAL,
                         "--estimator %s: deal=separate wants maps drawn separately, and a photon file is one "
                         "map; deal=random or deal=roundrobin divide it",
@@ -59,7 +56,7 @@ static double bytes_of_maps(const pm__estimate *e)
     enum { NUMBER = sizeof(uint32_t), NORMAL = sizeof(float[3]), STORED = 40 };
     const pm__structure_id structure = e->lookup.search->structure;
     const double photon = sizeof(pm_photon), map = pm__bytes_to_build(structure, true);
-    double bytes = map + (maps_of(e) > 1 ? photon : 0.0);
+    double bytes = map + (maps_of(e) > 1 ? PM__BYTES_TO_DEAL : 0.0);
     if (estimator_of(e)->needs & PM__AT_PHOTON)
         bytes += NUMBER + pm__spec_value(e->spec, "fraction", 1.0) * (map + photon + NUMBER + NORMAL + STORED);
     return bytes;
@@ -88,36 +85,13 @@ pm_status pm__estimate_load(pm__estimate *e, const char *photon_path, const char
     return pm__ply_read_points(query_path, &budget, &e->points, &e->point_count, error);
 }
 
-/* Which map photon `index` goes to: errata 11 and 12 say what each way costs. */
-static size_t dealt_to(const pm__estimate *e, size_t index)
-{
-    uint32_t words[4];
-    if (deal_of(e) == DEAL_ROUND_ROBIN)
-        return index % e->map_count;
-    pm__random_words(e->seed, PM__FOR_DEALING, 0, index, 0, words);
-    return (size_t)((uint64_t)words[0] * e->map_count >> 32);
-}
-
-static size_t deal(const pm__estimate *e, size_t map, pm_photon *hand)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < e->photon_count; i++)
-        if (dealt_to(e, i) == map)
-            hand[count++] = e->photons[i];
-    return count;
-}
-
 static pm_status build_maps(pm__estimate *e, pm_error *error)
 {
     const pm_map_options options = {.parallel = e->parallel, .search = e->lookup.search};
     if (e->map_count == 1)
         return pm_map_create(e->photons, e->photon_count, &options, &e->maps[0], error);
-    pm_photon *const hand = pm__alloc(e->photon_count, sizeof *hand);
-    pm_status status = hand ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory");
-    for (size_t m = 0; m < e->map_count && status == PM_OK; m++)
-        status = pm_map_create(hand, deal(e, m, hand), &options, &e->maps[m], error);
-    free(hand);
-    return status;
+    const pm__dealing dealing = {e->map_count, deal_of(e) == PM__DEAL_ROUND_ROBIN, e->seed, 0};
+    return pm__deal(&dealing, e->photons, e->photon_count, &options, e->maps, error);
 }
 
 /* k photons of the largest power there is cannot reach the threshold from farther away ([C02] 5.2.3). */

@@ -1,18 +1,17 @@
 #include "progress.h"
 
+#include "../base/clock.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { BAR = 30, NARROWEST = 60 };
 
 double pm__now(void)
 {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    return pm__seconds();
 }
 
 static bool is_dumb(void)

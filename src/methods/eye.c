@@ -13,10 +13,7 @@ pm__eye_numbers pm__eye_numbers_of(uint64_t seed, uint32_t trial, uint32_t pass,
 
 void pm__eye_uniform(pm__eye_numbers *numbers, double u[3])
 {
-    uint32_t w[4];
-    pm__random_words(numbers->seed, PM__FOR_EYES, numbers->pass, numbers->number, numbers->block++, w);
-    for (int i = 0; i < 3; i++)
-        u[i] = (double)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
+    pm__random_triple(numbers->seed, PM__FOR_EYES, numbers->pass, numbers->number, numbers->block++, u);
 }
 
 void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *numbers, const double origin[3],

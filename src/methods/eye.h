@@ -52,8 +52,8 @@ bool pm__eye_sample(pm__eye *eye, const pm__light *light, pm__eye_lit *lit);
 /* Shadow ray: does anything stand between? Only where light arrives. */
 bool pm__eye_blocked(const pm__eye *eye, const pm__eye_lit *lit);
 
-/* Adds to radiance what the lights send to the point reached and what it sends back, one sample of each light,
- * weighted. all: asks for shadow rays even where light comes from behind the surface. */
+/* Adds to radiance what the point reached sends back of the lights, one sample of each, weighted. all: asks for shadow
+ * rays even where light comes from behind the surface. */
 void pm__eye_direct(pm__eye *eye, bool all, double radiance[3]);
 
 #endif

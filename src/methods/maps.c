@@ -111,21 +111,19 @@ static pm_status make_separate(pm__render_job *job, const pm__maps_wish *wish, p
     return status;
 }
 
-enum { SEPARATE, RANDOM, ROUND_ROBIN }; /* the choices of combined's `deal` */
-
 static pm_status make_combined(pm__render_job *job, const pm__maps_wish *wish, const pm__photon_set *set,
                                const pm__spec *spec, pm__own_maps *own, pm_error *error)
 {
-    const int how = (int)pm__spec_value(spec, "deal", RANDOM);
+    const int how = (int)pm__spec_value(spec, "deal", PM__DEAL_RANDOM);
     own->count = pm__map_count_of(spec);
     own->dealt = pm__alloc_zero(own->count, sizeof *own->dealt);
     if (!own->dealt)
         return pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
-    if (how == SEPARATE)
+    if (how == PM__DEAL_SEPARATE)
         return make_separate(job, wish, own, error);
-    const pm__dealing dealing = {own->count, how == ROUND_ROBIN, job->config->seed, wish->trial};
+    const pm__dealing dealing = {own->count, how == PM__DEAL_ROUND_ROBIN, job->config->seed, wish->trial};
     const pm_map_options options = options_of(job);
-    return pm__deal(&dealing, set->photons, set->count, &options, own->dealt);
+    return pm__deal(&dealing, set->photons, set->count, &options, own->dealt, error);
 }
 
 static pm_status make_precomputed(pm__render_job *job, const pm_map *map, const float (*normals)[3],

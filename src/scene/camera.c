@@ -10,12 +10,6 @@ static bool is_finite(const double v[3])
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm__camera *camera, pm_error *error)
 {
     static const double pi = 3.14159265358979323846;
@@ -30,10 +24,10 @@ pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm_
         ahead[i] = view->at[i] - view->eye[i];
     if (!(pm__normalize(ahead) > 0.0))
         return pm__fail(error, PM_EINVAL, "the camera looks at the point where it stands");
-    cross(ahead, view->up, right);
+    pm__cross(ahead, view->up, right);
     if (!(pm__normalize(right) > 1e-9 * sqrt(pm__dot(view->up, view->up))))
         return pm__fail(error, PM_EINVAL, "the camera's up is along its view");
-    cross(ahead, right, down);
+    pm__cross(ahead, right, down);
     const double pixel = 2.0 * tan(0.5 * view->angle) / (double)height;
     for (int i = 0; i < 3; i++) {
         camera->eye[i] = view->eye[i];

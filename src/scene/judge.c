@@ -19,8 +19,7 @@ bool pm__triangle_plane(const float (*vertices)[3], const uint32_t triangle[3], 
             edge[i][axis] = (double)vertices[triangle[i + 1]][axis] - plane->corner[axis];
     }
     const double *const u = edge[0], *const v = edge[1];
-    for (int a = 0, b = 1, c = 2; a < 3; b = c, c = a, a++)
-        plane->normal[a] = u[b] * v[c] - u[c] * v[b];
+    pm__cross(u, v, plane->normal);
     const double longest = sqrt(fmax(pm__dot(u, u), pm__dot(v, v)));
     return pm__normalize(plane->normal) > 1e-14 * longest * longest;
 }

@@ -5,13 +5,6 @@
 
 static const double pi = 3.14159265358979323846;
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* z = 1 - below about `axis`; `below` rather than z, so that narrow cones keep their digits. */
 static void about(const double axis[3], double below, double turn, double direction[3])
 {
@@ -67,7 +60,7 @@ void pm__emit(const pm__light *light, const double u[4], double position[3], dou
     case PM__RECTANGLE:
         for (int i = 0; i < 3; i++)
             position[i] += u[0] * light->edge[0][i] + u[1] * light->edge[1][i];
-        cross(light->edge[0], light->edge[1], normal);
+        pm__cross(light->edge[0], light->edge[1], normal);
         (void)pm__normalize_near(normal);
         cosine_about(normal, u[2], u[3], direction);
         break;
@@ -128,7 +121,7 @@ static pm_status check_edges(const pm__light *light, pm_error *error)
     if (status)
         return status;
     double normal[3];
-    cross(light->edge[0], light->edge[1], normal);
+    pm__cross(light->edge[0], light->edge[1], normal);
     const double area = pm__normalize(normal);
     return area > 0.0 && isfinite(area) ? PM_OK
                                         : pm__fail(error, PM_EINVAL, "a rectangle light's edges span %g m2", area);

@@ -21,9 +21,7 @@ static void fill(pm__light_sample *sample, const double power[3], double factor)
 /* Of a Lambertian rectangle its unit normal; returns its area. */
 static double rectangle_normal(const pm__light *light, double normal[3])
 {
-    const double *const u = light->edge[0], *const v = light->edge[1];
-    for (int i = 0; i < 3; i++)
-        normal[i] = u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3];
+    pm__cross(light->edge[0], light->edge[1], normal);
     return pm__normalize(normal);
 }
 

@@ -68,14 +68,13 @@ static double masking_over_cosine(double cosine, double alpha)
 
 static double lobe(const double normal[3], const double in[3], const double out[3], double alpha)
 {
-    double half[3], cross[3];
+    double half[3], across[3];
     for (int i = 0; i < 3; i++)
         half[i] = in[i] + out[i];
     pm__normalize_near(half);
     /* 1 - t^2 by the cross product: alpha may be far below the rounding of t^2. */
-    for (int i = 0; i < 3; i++)
-        cross[i] = normal[(i + 1) % 3] * half[(i + 2) % 3] - normal[(i + 2) % 3] * half[(i + 1) % 3];
-    const double t = pm__dot(normal, half), w = alpha * t * t + pm__dot(cross, cross);
+    pm__cross(normal, half, across);
+    const double t = pm__dot(normal, half), w = alpha * t * t + pm__dot(across, across);
     const double g = masking_over_cosine(pm__dot(normal, in), alpha) * masking_over_cosine(pm__dot(normal, out), alpha);
     return g * alpha / (4.0 * pi * w * w);
 }
@@ -243,7 +242,7 @@ static pm__event scatter_mirror(const double reflectance[3], const double facing
  * power: each band keeps its power on average. */
 static double choose_index(const double ior[3], double u, double power[3])
 {
-    const double total = power[0] + power[1] + power[2];
+    const double total = pm__sum(power);
     int band = 0;
     for (double sum = power[0]; band < BANDS - 1 && !(u * total < sum); sum += power[band])
         band++;

@@ -11,13 +11,6 @@
 /* Of the largest coordinate: positions that went through a few operations agree with the shape to this. */
 static const double SLACK = 16.0 * DBL_EPSILON;
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* ---- Checks ------------------------------------------------------------------------------------ */
 
 static const char *shape_name(pm__shape_kind kind)
@@ -78,13 +71,13 @@ static pm_status prepare_rectangle(pm__shape *shape, uint32_t number, pm_error *
     memcpy(unit, shape->edge, sizeof unit);
     for (int i = 0; i < 2; i++)
         length[i] = pm__normalize(unit[i]);
-    cross(unit[0], unit[1], shape->normal);
+    pm__cross(unit[0], unit[1], shape->normal);
     const double sine = pm__normalize(shape->normal);
     if (!(sine > 1e-12))
         return pm__fail(error, PM_EINVAL, "shape %u (rectangle): the edges (%g, %g, %g), (%g, %g, %g) span no area",
                         number, u[0], u[1], u[2], v[0], v[1], v[2]);
-    cross(unit[1], shape->normal, shape->dual[0]);
-    cross(shape->normal, unit[0], shape->dual[1]);
+    pm__cross(unit[1], shape->normal, shape->dual[0]);
+    pm__cross(shape->normal, unit[0], shape->dual[1]);
     for (int i = 0; i < 2; i++)
         for (int axis = 0; axis < 3; axis++)
             shape->dual[i][axis] /= sine * length[i];

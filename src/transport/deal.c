@@ -2,6 +2,7 @@
 
 #include "../base/memory.h"
 #include "../base/random.h"
+#include "../base/status.h"
 
 #include <stdlib.h>
 
@@ -32,16 +33,17 @@ static void sort_by_map(const pm__dealing *dealing, const pm_photon *photons, si
 }
 
 pm_status pm__deal(const pm__dealing *dealing, const pm_photon *photons, size_t count, const pm_map_options *options,
-                   pm_map **made)
+                   pm_map **made, pm_error *error)
 {
     pm_photon *const hand = pm__alloc(count, sizeof *hand);
     uint32_t *const to = pm__alloc(count, sizeof *to);
     size_t *const end = pm__alloc(dealing->maps, sizeof *end);
-    pm_status status = hand && to && end ? PM_OK : PM_ENOMEM;
+    pm_status status =
+        hand && to && end ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory to deal %zu photons", count);
     if (status == PM_OK)
         sort_by_map(dealing, photons, count, end, to, hand);
     for (size_t m = 0, first = 0; m < dealing->maps && status == PM_OK; first = end[m++])
-        status = pm_map_create(hand + first, end[m] - first, options, &made[m], NULL);
+        status = pm_map_create(hand + first, end[m] - first, options, &made[m], error);
     free(hand);
     free(to);
     free(end);

@@ -11,15 +11,7 @@
 
 void pm__trace_uniform(uint64_t seed, uint32_t trial, uint64_t number, uint32_t block, double u[3])
 {
-    uint32_t w[4];
-    pm__random_words(seed, PM__FOR_TRACING, trial, number, block, w);
-    for (int i = 0; i < 3; i++)
-        u[i] = (double)(int64_t)((uint64_t)w[i] << 10 | (w[3] >> 10 * i & 0x3ff)) * 0x1p-42;
-}
-
-static double sum(const double power[3])
-{
-    return power[0] + power[1] + power[2];
+    pm__random_triple(seed, PM__FOR_TRACING, trial, number, block, u);
 }
 
 /* W that the light sends. */
@@ -27,7 +19,7 @@ static double sent(const pm__emission *emission, size_t light)
 {
     if (emission->only != PM__ALL_LIGHTS && emission->only != light)
         return 0.0;
-    const double power = sum(pm__scene_light_at(emission->scene, light)->power);
+    const double power = pm__sum(pm__scene_light_at(emission->scene, light)->power);
     return emission->projection ? power * pm__projection_share(emission->projection, light) : power;
 }
 
@@ -156,7 +148,7 @@ static void leave(const pm__emission *emission, size_t light, double u[4], doubl
 
 static double factor_of(const pm__emission *emission, size_t light)
 {
-    return emission->total / sum(pm__scene_light_at(emission->scene, light)->power);
+    return emission->total / pm__sum(pm__scene_light_at(emission->scene, light)->power);
 }
 
 bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *departure)

@@ -46,8 +46,7 @@ bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *de
  * surface of any kind. config->paths is not looked at; config->emission must be there. */
 void pm__trace_straight(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context);
 
-/* Three uniform numbers of 42 bits from one block: each step of a path takes a block of its own, so what a photon meets
- * does not depend on how many numbers were taken before. Blocks 0 and 1 are of emission. */
+/* A photon's numbers (pm__random_triple): blocks 0 and 1 are of emission, each step of its path takes the next. */
 void pm__trace_uniform(uint64_t seed, uint32_t trial, uint64_t number, uint32_t block, double u[3]);
 
 #endif

@@ -48,8 +48,9 @@ static const double MARGIN = 1e-9;
 
 static double angle_between(const double a[3], const double b[3])
 {
-    const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    return atan2(sqrt(pm__dot(cross, cross)), pm__dot(a, b));
+    double across[3];
+    pm__cross(a, b, across);
+    return atan2(sqrt(pm__dot(across, across)), pm__dot(a, b));
 }
 
 typedef enum verdict { MISSED, PERHAPS, MET } verdict;

@@ -21,11 +21,6 @@ typedef struct job {
     void *context;
 } job;
 
-static double sum(const double power[3])
-{
-    return power[0] + power[1] + power[2];
-}
-
 /* false: no light sends any. */
 static bool emit(const job *work, uint64_t number, carrier *photon)
 {
@@ -96,7 +91,7 @@ static bool bounce(carrier *photon, const pm__hit *hit, const double u[3])
     }
     photon->shape = hit->shape;
     /* Only the printed glossy formula adds power; what a float cannot hold no map can. */
-    return sum(photon->power) < FLT_MAX;
+    return pm__sum(photon->power) < FLT_MAX;
 }
 
 /* false: it meets nothing. */

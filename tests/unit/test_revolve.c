@@ -26,13 +26,6 @@ static void corner(const pm__mesh *mesh, size_t triangle, int i, double at[3])
         at[a] = (double)mesh->vertices[mesh->triangles[triangle][i]][a];
 }
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* By the divergence theorem; positive where normals point out. */
 static double volume(const pm__mesh *mesh)
 {
@@ -42,7 +35,7 @@ static double volume(const pm__mesh *mesh)
         corner(mesh, i, 0, p);
         corner(mesh, i, 1, q);
         corner(mesh, i, 2, r);
-        cross(q, r, n);
+        pm__cross(q, r, n);
         sum += pm__dot(p, n) / 6.0;
     }
     return sum;
@@ -72,7 +65,7 @@ static double least_area(const pm__mesh *mesh)
             q[a] -= p[a];
             r[a] -= p[a];
         }
-        cross(q, r, n);
+        pm__cross(q, r, n);
         least = fmin(least, 0.5 * sqrt(pm__dot(n, n)));
     }
     return least;
