@@ -38,7 +38,8 @@ pm_status pm__deal(const pm__dealing *dealing, const pm_photon *photons, size_t 
     pm_photon *const hand = pm__alloc(count, sizeof *hand);
     uint32_t *const to = pm__alloc(count, sizeof *to);
     size_t *const end = pm__alloc(dealing->maps, sizeof *end);
-    pm_status status = hand && to && end ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory to deal %zu photons", count);
+    pm_status status =
+        hand && to && end ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory to deal %zu photons", count);
     if (status == PM_OK)
         sort_by_map(dealing, photons, count, end, to, hand);
     for (size_t m = 0, first = 0; m < dealing->maps && status == PM_OK; first = end[m++])
