@@ -82,13 +82,15 @@ run-demo: program
 	$(Q)mkdir -p $(BUILD)/demo
 	$(Q)$(BUILD)/photonbench accuracy --profile quick --json $(BUILD)/demo/accuracy.json
 
-bench: deps-bench ## searches and peer libraries against each other: table on screen, rows in build/bench/search.json
+bench: deps-bench ## searches against peer libraries, then tracing and rendering: tables, rows in build/bench/*.json
 	$(Q)$(MAKE) --no-print-directory $(PARALLEL) run-bench
 run-bench: program
 	$(Q)mkdir -p $(BUILD)/bench
 	$(Q)$(BUILD)/photonbench search --case box,square,caustic,volume --k 8,50,500 --radius auto:50 --threads 1 \
 	    --search all --seconds 400 --json $(BUILD)/bench/search.json -o $(BUILD)/bench/search.txt
 	$(Q)cat $(BUILD)/bench/search.txt
+	$(Q)$(BUILD)/photonbench speed --json $(BUILD)/bench/speed.json -o $(BUILD)/bench/speed.txt
+	$(Q)cat $(BUILD)/bench/speed.txt
 
 ##@ Check
 check: deps ## every test

@@ -127,8 +127,8 @@ static void print_head(FILE *file, const pm__speed_row *row)
         "the image of a photon map; times the rate of its rays and its bare search",
         "a render of what the scene needs; times the rate with all that is skipped (--no-skip)"};
     (void)fprintf(file, "%s: %s\n", pm__quantity_names[row->quantity], what[row->quantity]);
-    (void)fprintf(file, "  %-28s %-10s %10s %10s %8s  %-16s %7s  %s\n", "", "", "ms", "baseline", "ratio",
-                  "95 % interval", "promise", "");
+    (void)fprintf(file, "  %-24s %-9s %9s %9s %7s  %-16s %7s\n", "", "", "ms", "baseline", "ratio",
+                  "95 % interval", "promise");
 }
 
 static void number_text(double value, int digits, char out[24])
@@ -153,8 +153,8 @@ static void print_row(FILE *file, const pm__speed_row *row)
     number_text(row->ratio, 3, ratio);
     number_text(row->promise, 3, promise);
     if (isfinite(row->ratio_ci95.low))
-        (void)snprintf(ci95, sizeof ci95, "[%.3f, %.3f]", row->ratio_ci95.low, row->ratio_ci95.high);
-    (void)fprintf(file, "  %-28.28s %-10s %10s %10s %8s  %-16s %7s  %s\n", scene, row->method ? row->method : "", ms,
+        (void)snprintf(ci95, sizeof ci95, "[%.3g, %.3g]", row->ratio_ci95.low, row->ratio_ci95.high);
+    (void)fprintf(file, "  %-24.24s %-9s %9s %9s %7s  %-16s %7s  %s\n", scene, row->method ? row->method : "", ms,
                   base, ratio, ci95, promise, row->status);
     if (*row->detail) {
         (void)fputs("      ", file);

@@ -52,8 +52,8 @@ static inline float read_photon(const reading *r, const pm_neighbor *neighbor, s
     return larger(neighbor->distance2, farthest);
 }
 
-/* What every estimate wants, flux and distance, is what an image waits for. Returns the largest distance2, in map units;
- * 0 where there is no photon. Four at a time, since each maximum would wait for the one before. */
+/* What every estimate wants, flux and distance, is what an image waits for. Returns the largest distance2, in map
+ * units; 0 where there is no photon. Four at a time, since each maximum would wait for the one before. */
 static float read_plain(const reading *of, const pm_neighbor *neighbors, size_t count)
 {
     const reading r = *of;

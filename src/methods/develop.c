@@ -27,11 +27,12 @@ static double block_mean(const comparison *c, double (*values)[3], size_t pixel,
 /* Without a truth an image's own mean: it must not depend on what else is rendered. */
 static void find_scale(comparison *c, size_t image)
 {
+    double(*const shown)[3] = c->film->first + image * c->film->pixels;
     double sum = 0.0;
     size_t known = 0;
     for (size_t p = 0; p < c->width * c->height; p++)
         for (int b = 0; b < 3; b++) {
-            const double value = c->truth ? c->truth[p][b] : block_mean(c, c->film->first + image * c->film->pixels, p, b);
+            const double value = c->truth ? c->truth[p][b] : block_mean(c, shown, p, b);
             sum += isfinite(value) ? fabs(value) : 0.0;
             known += isfinite(value) ? 1 : 0;
         }

@@ -174,7 +174,8 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **made, pm_er
     if (!state)
         return pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
     /* As many photons, whether they are sent there or everywhere, so that the image is the same. */
-    const double reach = job->needs.reach, most = !(reach > 0.0) || job->needs.projection ? MOST_SENT : MOST_SENT / reach;
+    const double reach = job->needs.reach;
+    const double most = !(reach > 0.0) || job->needs.projection ? MOST_SENT : MOST_SENT / reach;
     const pm__maps_wish caustic = {.paths = "LS+D", .photons = job->config->photons, .specular = job->needs.projection,
                                    .emitted = !(reach > 0.0), .most = most, .estimates = true, .trial = trial,
                                    .stream = 1};

@@ -23,6 +23,7 @@ typedef struct block {
     size_t count, capacity;
     size_t enough; /* photons: what a path stores beyond is not looked at */
     double scale;  /* 1 / unit */
+    size_t first, taken; /* where its photons go among all, and how many of them */
     pm_status status;
 } block;
 
@@ -86,24 +87,50 @@ static pm_status reserve(gathering *g, size_t count)
     return PM_OK;
 }
 
-/* A block's photons behind those before, up to the end of the path by which there are enough. */
-static pm_status append(gathering *g, const block *b, uint64_t first, size_t wanted)
+/* How many of a block's photons are taken where so many are lacking: up to the end of the path by which there are
+ * enough. */
+static size_t taken_of(const block *b, size_t lacking)
+{
+    size_t taken = b->count < lacking ? b->count : lacking;
+    while (taken > 0 && taken < b->count && !(b->records[taken].mark & PM__FIRST_OF_PATH))
+        taken++;
+    return taken;
+}
+
+/* Photons of a block to where they belong. */
+static void place_block(void *argument, size_t index)
+{
+    const gathering *const g = argument;
+    const block *const b = &g->blocks[index];
+    pm__harvest *const h = g->harvest;
+    for (size_t i = 0; i < b->taken; i++) {
+        const record *const r = &b->records[i];
+        h->photons[b->first + i] = r->photon;
+        h->marks[b->first + i] = r->mark;
+        if (h->normals)
+            memcpy(h->normals[b->first + i], r->normal, sizeof r->normal);
+    }
+}
+
+/* The round's photons behind those before, in order: where each block's go is settled first. */
+static pm_status append(gathering *g, size_t blocks, uint64_t first, size_t wanted)
 {
     pm__harvest *const h = g->harvest;
-    const size_t lacking = wanted - h->count; /* the last path may store more */
-    if (reserve(g, h->count + (b->count < lacking ? b->count : lacking + PM__LONGEST_PATH)) != PM_OK)
-        return PM_ENOMEM;
-    for (size_t i = 0; i < b->count; i++) {
-        const record *const r = &b->records[i];
-        if (h->count >= wanted && (r->mark & PM__FIRST_OF_PATH))
-            return PM_OK;
-        h->photons[h->count] = r->photon;
-        h->marks[h->count] = r->mark;
-        if (h->normals)
-            memcpy(h->normals[h->count], r->normal, sizeof r->normal);
-        h->emitted = r->number + 1 - first;
-        h->count++;
+    size_t count = h->count;
+    for (size_t i = 0; i < blocks; i++) {
+        block *const b = &g->blocks[i];
+        if (b->status != PM_OK)
+            return b->status;
+        b->first = count;
+        b->taken = count < wanted ? taken_of(b, wanted - count) : 0;
+        if (b->taken > 0)
+            h->emitted = b->records[b->taken - 1].number + 1 - first;
+        count += b->taken;
     }
+    if (reserve(g, count) != PM_OK)
+        return PM_ENOMEM;
+    pm__for(g->config->parallel, blocks, place_block, g);
+    h->count = count;
     return PM_OK;
 }
 
@@ -111,14 +138,9 @@ static pm_status run_round(gathering *g, uint64_t first, size_t wanted)
 {
     const uint64_t paths = g->end - g->next;
     const size_t blocks = (size_t)((paths + BLOCK - 1) / BLOCK);
-    pm_status status = PM_OK;
     g->lacking = wanted - g->harvest->count;
     pm__for(g->config->parallel, blocks, trace_block, g);
-    for (size_t i = 0; i < blocks && status == PM_OK; i++) {
-        status = g->blocks[i].status;
-        if (status == PM_OK && g->harvest->count < wanted)
-            status = append(g, &g->blocks[i], first, wanted);
-    }
+    const pm_status status = append(g, blocks, first, wanted);
     if (g->harvest->count < wanted)
         g->harvest->emitted = g->end - first;
     g->next = g->end;

@@ -12,8 +12,8 @@
  * Where a path stores one photon at most, this is (N - 1)/(e - 1)/N for each. The o that are too many are dropped at
  * random among all, so that each left stands for S/N.
  *
- * Where tracing ends with path m at the latest, and there are not N by then, each stands for 1/m: the orders of those paths
- * are equally likely too, and none ends sooner, so that the two cases together are unbiased.
+ * Where tracing ends with path m at the latest, and there are not N by then, each stands for 1/m: the orders of those
+ * paths are equally likely too, and none ends sooner, so that the two cases together are unbiased.
  *
  * A sampler's set must be whole, so its size may not depend on what it stores: a trial run settles it. */
 #include "shoot.h"

@@ -12,7 +12,7 @@ enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 
 static const char *const page_paths[] = {"README.md",        "docs/accuracy.md", "docs/search.md",  "docs/compare.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
-                                         "docs/scenes.md",   "docs/render.md"};
+                                         "docs/scenes.md",   "docs/render.md",   "docs/speed.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -67,8 +67,8 @@ END_TEST
 /* Each option that help shows has its row in the command's page. */
 START_TEST(options_are_documented)
 {
-    static const char *const commands[] = {"accuracy", "search", "render", "compare", "estimate", "list"};
-    for (int c = 0; c < 6; c++) {
+    static const char *const commands[] = {"accuracy", "search", "speed", "render", "compare", "estimate", "list"};
+    for (int c = 0; c < 7; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
         (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
@@ -104,6 +104,7 @@ START_TEST(fields_are_documented)
     check_fields("accuracy --case square --estimator disc --k 5 --photons 100 --trials 2 --probes 4 --json -",
                  "docs/accuracy.md");
     check_fields("search --search recursive --photons 100 --k 5 --samples 2 --json -", "docs/search.md");
+    check_fields("speed water --quantity trace --photons 200 --k 10 --seconds 0.01 --json -", "docs/speed.md");
     check_fields("render water --size 4x4 --spp 1 --photons 1000 --k 10 --quiet --json - -o /dev/null",
                  "docs/render.md");
     check_fields("render water --plan --json -", "docs/render.md");

@@ -48,28 +48,68 @@ static void check_mean(const char *what, const moments *m, double expected)
 
 /* The power of all stored photons is 1/(1 - albedo) in each band, where a path stores a number of photons that differs,
  * and may be more than are wanted. */
-static void check_stored(const pm__scene *scene, size_t count, uint32_t trials)
+static void check_stored(const pm__scene *scene, size_t count, uint64_t most, uint32_t trials)
 {
+    size_t whole = 0;
     moments bands[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
     for (uint32_t trial = 0; trial < trials; trial++) {
-        const pm__shoot_config config = {.scene = scene, .seed = 37, .trial = trial, .count = count};
+        const pm__shoot_config config = {.scene = scene, .seed = 37, .trial = trial, .count = count, .most = most};
         pm__photon_set set = lit_shoot(&config);
-        ck_assert_uint_eq(set.count, count);
+        ck_assert(set.count == count || (most && set.count < count && set.emitted == most));
+        whole += set.count == count;
         for (int b = 0; b < 3; b++)
             add(&bands[b], lit_power(&set, b));
         pm__photon_set_free(&set);
     }
     for (int b = 0; b < 3; b++)
         check_mean("stored", &bands[b], 1.0 / (1.0 - albedo[b]));
+    ck_assert(most ? whole > trials / 10 && whole < trials - trials / 10 : whole == trials);
 }
 
 START_TEST(test_stored_counts_are_unbiased)
 {
     pm__scene *const scene = furnace();
-    check_stored(scene, 1, 3000);
-    check_stored(scene, 2, 3000);
-    check_stored(scene, 7, 3000);
-    check_stored(scene, 30, 3000);
+    check_stored(scene, 1, 0, 3000);
+    check_stored(scene, 2, 0, 3000);
+    check_stored(scene, 7, 0, 3000);
+    check_stored(scene, 30, 0, 3000);
+    pm__scene_destroy(scene);
+}
+END_TEST
+
+/* Tracing ends with the limit as often as with the photons, and with both together the power is right. */
+START_TEST(test_stored_counts_with_a_limit_are_unbiased)
+{
+    pm__scene *const scene = furnace();
+    check_stored(scene, 7, 1, 3000);
+    check_stored(scene, 12, 2, 3000);
+    check_stored(scene, 30, 4, 3000);
+    pm__scene_destroy(scene);
+}
+END_TEST
+
+/* Photons that are spread are as many as the limit allows, and none at all is no error. */
+START_TEST(test_a_limit_that_leaves_nothing)
+{
+    pm__scene *const scene = furnace();
+    pm__paths *none;
+    pm_error error;
+    PM_CHECK_OK(pm__paths_create("LS+D", &none, &error), error); /* nothing is specular */
+    for (int s = 0; s < 3; s++) {
+        pm__shoot_config config = {.scene = scene, .paths = none, .seed = 39, .count = 10, .most = 4096,
+                                   .sampler = lit_sampler(samplers[s])};
+        pm__photon_set set = lit_shoot(&config);
+        ck_assert_uint_eq(set.count, 0);
+        ck_assert_uint_ge(set.emitted, 4096);
+        ck_assert_uint_le(set.emitted, 8192); /* of a whole set */
+        pm__photon_set_free(&set);
+        config.paths = NULL;
+        config.count = 1000000;
+        set = lit_shoot(&config);
+        ck_assert(set.count > 0 && set.emitted >= 4096 && set.emitted <= 8192);
+        pm__photon_set_free(&set);
+    }
+    pm__paths_destroy(none);
     pm__scene_destroy(scene);
 }
 END_TEST
@@ -219,5 +259,6 @@ START_TEST(test_projection_maps_keep_the_power)
 }
 END_TEST
 
-PM_TEST_MAIN("shoot", test_stored_counts_are_unbiased, test_emitted_counts_are_unbiased, test_lights_by_share,
+PM_TEST_MAIN("shoot", test_stored_counts_are_unbiased, test_stored_counts_with_a_limit_are_unbiased,
+             test_a_limit_that_leaves_nothing, test_emitted_counts_are_unbiased, test_lights_by_share,
              test_spread_photons_are_less_noisy, test_projection_maps_keep_the_power)

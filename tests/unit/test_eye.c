@@ -53,7 +53,7 @@ static double binomial_bound(double n, double p)
     return 5.3 * sqrt(n * p * (1.0 - p)) + 1.0;
 }
 
-/* Between two mirrors that face each other, to a wall at the end: as many reflections as there are, each by its share. */
+/* Between two mirrors that face each other, to a wall at the end: the place reached, and the weight. */
 START_TEST(two_mirrors)
 {
     pm__scene *const scene = lit_create();

@@ -37,7 +37,8 @@ static bool is_sound(const pm__light *light, const double point[3], const pm__li
     for (int a = 0; a < 3; a++)
         off = fmax(off, fabs(way[a] - length * sample->direction[a]) / (length + fabs(point[a])));
     const double ratio = sample->irradiance[1] / sample->irradiance[0] * light->power[0] / light->power[1];
-    return off < 1e-11 && fabs(ratio - 1.0) < 1e-12 && fabs(pm__dot(sample->direction, sample->direction) - 1.0) < 1e-13;
+    const double unit = pm__dot(sample->direction, sample->direction);
+    return off < 1e-11 && fabs(ratio - 1.0) < 1e-12 && fabs(unit - 1.0) < 1e-13;
 }
 
 /* The mean over u of what arrives, in red, by the midpoint rule. */
@@ -113,7 +114,7 @@ START_TEST(points_and_spots)
     PM_CHECK_NEAR(received(&light, at, up, 2), all, 1e-12 * all);
     pm__light_sample s;
     static const double u[2] = {0.5, 0.5};
-    for (double angle = pi / 2.0; angle > 1e-9; angle *= 0.1) /* just within the edge, and just beyond, about any axis */
+    for (double angle = pi / 2.0; angle > 1e-9; angle *= 0.1) /* just within and just beyond the edge */
         for (int i = 0; i < 20; i++) {
             double a[3], b[3], inside[3], outside[3];
             unit_normal(cos(i), sin(2.0 * i), cos(3.0 * i + 1.0), light.direction);
@@ -227,7 +228,8 @@ START_TEST(balls_from_within)
 {
     const double radius = 2.0, radiance = 5.0 / (pi * 4.0 * pi * radius * radius);
     for (int i = 0; i < 4; i++) {
-        pm__light light = {.kind = PM__BALL, .power = {5, 5, 5}, .radius = radius, .inward = true, .position = {1, 1, 1}};
+        pm__light light = {.kind = PM__BALL, .power = {5, 5, 5}, .radius = radius, .inward = true,
+                           .position = {1, 1, 1}};
         const double at[3] = {1.0 + 0.4 * i, 1.0, 1.0 - 0.2 * i};
         double normal[3];
         unit_normal(i, 1.0, 0.5 - i, normal);

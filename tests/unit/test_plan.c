@@ -304,7 +304,7 @@ START_TEST(what_full_skips)
 }
 END_TEST
 
-/* Light reaches the mirror, but from there no rough surface: there is no caustic photon to be had, and none is missed. */
+/* Light reaches the mirror, but from there no rough surface: there are no caustic photons, and none is missed. */
 START_TEST(caustics_that_go_nowhere)
 {
     picture *const p = picture_of(&by_hand, "full", "disc,precomputed,combined");

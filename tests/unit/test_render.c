@@ -248,8 +248,10 @@ START_TEST(a_reference_of_half_the_size_judges_blocks)
     for (size_t at = 0; at < 120; at++)
         for (size_t b = 0; b < 3; b++) {
             double mean = 0.0;
-            for (size_t i = 0; i < 4; i++)
-                mean += 0.25 * (double)images->radiance.values[3 * ((at / 12 * 2 + i / 2) * 24 + at % 12 * 2 + i % 2) + b];
+            for (size_t i = 0; i < 4; i++) {
+                const size_t y = at / 12 * 2 + i / 2, x = at % 12 * 2 + i % 2;
+                mean += 0.25 * (double)images->radiance.values[3 * (y * 24 + x) + b];
+            }
             PM_CHECK_NEAR((double)images->error.values[3 * at + b], (mean - 0.25) / 0.25, 1e-5 * (1.0 + mean));
         }
     pm__render_free(&result);
