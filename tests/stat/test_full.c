@@ -1,4 +1,5 @@
-/* The method full against the path tracer, by blocks of pixels: light by paths that have little in common but their
+/* The method full against the path tracer, by blocks of pixels, by rows of blocks and as
+ * a whole: light by paths that have little in common but their
  * ends. Renders of different seeds are the replicates; a block passes within the joint interval of both methods' means,
  * for a false alarm in 1e-6 over all comparisons, and what the estimates may lack. An estimate with the radius R within
  * R of a wall's edge looks beyond it: of fixed R that is 8 R / (3 pi) of the light of a square of 1 m on average. It is
@@ -7,59 +8,66 @@
 #include "../../src/stats/stats.h"
 #include "../picture.h"
 
-enum { SIDE = 32, BLOCK = 8, ACROSS = SIDE / BLOCK, VALUES = 3 * ACROSS * ACROSS, REPEATS = 14 };
-enum { K = 20, PHOTONS = 10000, COMPARISONS = 6 };
+enum { SIDE = 32, BLOCK = 8, ACROSS = SIDE / BLOCK, BLOCKS = ACROSS * ACROSS };
+enum { PARTS = BLOCKS + ACROSS + 1, VALUES = 3 * PARTS };
+enum { K = 20, PHOTONS = 10000, COMPARISONS = 6, FEW = 14 };
 
-/* Sums over blocks, over repeats. */
+/* Of blocks, rows of them, and all, by band: over repeats. */
 typedef struct blocks {
     double mean[VALUES], variance[VALUES]; /* of the mean */
+    double repeats;
 } blocks;
 
 static void add_blocks(const pm__image *image, double sums[VALUES])
 {
+    const double own = 1.0 / (BLOCK * BLOCK);
     for (size_t p = 0; p < SIDE * SIDE; p++)
-        for (size_t b = 0; b < 3; b++)
-            sums[(p / SIDE / BLOCK * ACROSS + p % SIDE / BLOCK) * 3 + b] +=
-                (double)image->values[3 * p + b] / (BLOCK * BLOCK);
+        for (size_t b = 0; b < 3; b++) {
+            const double value = own * (double)image->values[3 * p + b];
+            const size_t row = p / SIDE / BLOCK;
+            sums[(row * ACROSS + p % SIDE / BLOCK) * 3 + b] += value;
+            sums[(BLOCKS + row) * 3 + b] += value / ACROSS;
+            sums[(BLOCKS + ACROSS) * 3 + b] += value / BLOCKS;
+        }
 }
 
-static void render_blocks(const char *scene, const char *method, size_t spp, uint64_t seed, bool no_skip,
-                          blocks *result)
+static void render_blocks(const char *scene, const char *method, size_t repeats, size_t spp, uint64_t seed,
+                          bool no_skip, blocks *result)
 {
     static size_t threads;
     const pm_parallel parallel = pm__parallel_for(&threads);
     picture *const p = picture_create(scene, method, "disc:last=none");
     double square[VALUES] = {0.0};
-    *result = (blocks){{0.0}, {0.0}};
+    *result = (blocks){{0.0}, {0.0}, (double)repeats};
     p->config.width = p->config.height = SIDE;
     p->config.spp = spp;
     p->config.k = K;
     p->config.photons = PHOTONS;
     p->config.parallel = &parallel;
     p->config.no_skip = no_skip;
-    for (uint64_t i = 0; i < REPEATS; i++) {
+    for (uint64_t i = 0; i < repeats; i++) {
         double sums[VALUES] = {0.0};
         p->config.seed = seed + i;
         pm__render_result image = picture_render(p);
         add_blocks(&image.images[0].radiance, sums);
         for (size_t v = 0; v < VALUES; v++) {
-            result->mean[v] += sums[v] / REPEATS;
-            square[v] += sums[v] * sums[v] / REPEATS;
+            result->mean[v] += sums[v] / result->repeats;
+            square[v] += sums[v] * sums[v] / result->repeats;
         }
         pm__render_free(&image);
     }
     for (size_t i = 0; i < VALUES; i++)
-        result->variance[i] = fmax(0.0, square[i] - result->mean[i] * result->mean[i]) / (REPEATS - 1);
+        result->variance[i] = fmax(0.0, square[i] - result->mean[i] * result->mean[i]) / (result->repeats - 1.0);
     picture_free(p);
 }
 
 static void compare(const char *scene, const char *what, const blocks *a, const blocks *b, double allowed)
 {
-    /* Welch's degrees of freedom are at least those of either alone. */
-    const double bound = pm__student_quantile(1.0 - 0.5e-6 / (COMPARISONS * VALUES), REPEATS - 1.0);
     for (size_t i = 0; i < VALUES; i++) {
-        const double error = sqrt(a->variance[i] + b->variance[i]), off = a->mean[i] - b->mean[i];
-        ck_assert_msg(fabs(off) <= allowed * b->mean[i] + bound * error, "%s, %s, block %zu, band %zu: %+.2f %% of %g, "
+        const double one = a->variance[i], two = b->variance[i], off = a->mean[i] - b->mean[i], error = sqrt(one + two);
+        const double freedom = pow(one + two, 2) / (one * one / (a->repeats - 1.0) + two * two / (b->repeats - 1.0));
+        const double bound = pm__student_quantile(1.0 - 0.5e-6 / (COMPARISONS * VALUES), freedom);
+        ck_assert_msg(fabs(off) <= allowed * b->mean[i] + bound * error, "%s, %s, part %zu, band %zu: %+.2f %% of %g, "
                       "%.1f standard errors", scene, what, i / 3, i % 3, 100.0 * off / b->mean[i], b->mean[i],
                       off / error);
     }
@@ -77,11 +85,11 @@ START_TEST(full_is_as_path)
     static const char *const scenes[] = {"scene:cornell", "scene:cornell-diffuse", "scene:cornell-water"};
     static blocks path, full;
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++) {
-        render_blocks(scenes[s], "path", 16, 100, false, &path);
-        render_blocks(scenes[s], "full:gather=2", 4, 200, false, &full);
+        render_blocks(scenes[s], "path", 80, 4, 100, false, &path);
+        render_blocks(scenes[s], "full:gather=2", FEW, 4, 200, false, &full);
         compare(scenes[s], "shadow rays", &full, &path, lacking());
         if (s == 1) {
-            render_blocks(scenes[s], "full:gather=2,direct=photons", 4, 300, false, &full);
+            render_blocks(scenes[s], "full:gather=2,direct=photons", FEW, 4, 300, false, &full);
             compare(scenes[s], "shadow photons", &full, &path, lacking());
         }
     }
@@ -93,10 +101,10 @@ END_TEST
 START_TEST(rays_and_plans_keep_the_mean)
 {
     static blocks one, other;
-    render_blocks("scene:cornell", "full:gather=1", 2, 400, false, &one);
-    render_blocks("scene:cornell", "full:gather=8", 1, 500, false, &other);
+    render_blocks("scene:cornell", "full:gather=1", FEW, 2, 400, false, &one);
+    render_blocks("scene:cornell", "full:gather=8", FEW, 1, 500, false, &other);
     compare("scene:cornell", "8 rays for 1", &other, &one, 0.0);
-    render_blocks("scene:cornell", "full:gather=1", 2, 600, true, &other);
+    render_blocks("scene:cornell", "full:gather=1", FEW, 2, 600, true, &other);
     compare("scene:cornell", "no_skip", &other, &one, 0.01);
 }
 END_TEST
@@ -118,7 +126,7 @@ START_TEST(gathered_light_is_unbiased)
     p->config.k = FURNACE_K;
     p->config.photons = FURNACE_PHOTONS;
     p->config.parallel = &parallel;
-    for (uint64_t seed = 700; seed < 700 + REPEATS; seed++) {
+    for (uint64_t seed = 700; seed < 700 + FEW; seed++) {
         p->config.seed = seed;
         pm__render_result result = picture_render(p);
         for (size_t i = 0; i < IMAGES; i++) {
@@ -130,8 +138,8 @@ START_TEST(gathered_light_is_unbiased)
     }
     picture_free(p);
     for (size_t i = 0; i < IMAGES; i++) {
-        const double mean = sum[i] / REPEATS, error = sqrt((square[i] / REPEATS - mean * mean) / (REPEATS - 1));
-        ck_assert_msg(fabs(mean) <= allowed + pm__student_quantile(1.0 - 0.5e-6 / IMAGES, REPEATS - 1.0) * error,
+        const double mean = sum[i] / FEW, error = sqrt((square[i] / FEW - mean * mean) / (FEW - 1));
+        ck_assert_msg(fabs(mean) <= allowed + pm__student_quantile(1.0 - 0.5e-6 / IMAGES, FEW - 1.0) * error,
                       "%s: %+.3f %% of the truth, %.1f standard errors", names[i], 100.0 * mean / truth, mean / error);
     }
 }
