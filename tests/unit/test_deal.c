@@ -1,4 +1,5 @@
-/* Photons dealt to several maps: none is lost, each map keeps their order, and at random each is as likely as another. */
+/* Photons dealt to several maps: none is lost, each map keeps their order, and at random each is as likely as
+ * another. */
 #include "../../src/transport/deal.h"
 #include "../test.h"
 
