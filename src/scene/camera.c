@@ -13,7 +13,7 @@ static bool is_finite(const double v[3])
 pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm__camera *camera, pm_error *error)
 {
     static const double pi = 3.14159265358979323846;
-    double ahead[3], right[3], down[3];
+    double ahead[3], right[3], down[3], up[3] = {view->up[0], view->up[1], view->up[2]};
     if (!is_finite(view->eye) || !is_finite(view->at) || !is_finite(view->up))
         return pm__fail(error, PM_EINVAL, "the camera's eye, at and up must be finite");
     if (!(view->angle > 0.0 && view->angle < pi))
@@ -24,8 +24,9 @@ pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm_
         ahead[i] = view->at[i] - view->eye[i];
     if (!(pm__normalize(ahead) > 0.0))
         return pm__fail(error, PM_EINVAL, "the camera looks at the point where it stands");
-    pm__cross(ahead, view->up, right);
-    if (!(pm__normalize(right) > 1e-9 * sqrt(pm__dot(view->up, view->up))))
+    (void)pm__normalize(up); /* any length will do, also one whose square is none */
+    pm__cross(ahead, up, right);
+    if (!(pm__normalize(right) > 1e-9))
         return pm__fail(error, PM_EINVAL, "the camera's up is along its view");
     pm__cross(ahead, right, down);
     const double pixel = 2.0 * tan(0.5 * view->angle) / (double)height;
