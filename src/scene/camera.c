@@ -13,19 +13,22 @@ static bool is_finite(const double v[3])
 pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm__camera *camera, pm_error *error)
 {
     static const double pi = 3.14159265358979323846;
-    double ahead[3], right[3], down[3];
+    double ahead[3], up[3], right[3], down[3];
     if (!is_finite(view->eye) || !is_finite(view->at) || !is_finite(view->up))
         return pm__fail(error, PM_EINVAL, "the camera's eye, at and up must be finite");
     if (!(view->angle > 0.0 && view->angle < pi))
         return pm__fail(error, PM_EINVAL, "the camera's angle is %g radian, not above 0 and below pi", view->angle);
     if (!width || !height)
         return pm__fail(error, PM_EINVAL, "an image of %zu x %zu pixels", width, height);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         ahead[i] = view->at[i] - view->eye[i];
+        up[i] = view->up[i];
+    }
     if (!(pm__normalize(ahead) > 0.0))
         return pm__fail(error, PM_EINVAL, "the camera looks at the point where it stands");
-    pm__cross(ahead, view->up, right);
-    if (!(pm__normalize(right) > 1e-9 * sqrt(pm__dot(view->up, view->up))))
+    const double length = pm__normalize(up); /* its square may be more than a double holds, or less */
+    pm__cross(ahead, up, right);
+    if (!(length > 0.0 && pm__normalize(right) > 1e-9))
         return pm__fail(error, PM_EINVAL, "the camera's up is along its view");
     pm__cross(ahead, right, down);
     const double pixel = 2.0 * tan(0.5 * view->angle) / (double)height;
