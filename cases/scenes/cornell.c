@@ -23,12 +23,6 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status ? status : pm__cornell_lamp(scene, 0.15, 10.0, error);
 }
 
-static void view(const double *values, pm__view *from)
-{
-    (void)values;
-    pm__cornell_view(from);
-}
-
 const pm__case pm__case_scene_cornell = {
     .entry = {.name = "scene:cornell",
               .summary = "Cornell box with a mirror and a glass sphere",
@@ -39,5 +33,5 @@ const pm__case pm__case_scene_cornell = {
     .sample_dimensions = 4,
     .strata_dimensions = 2,
     .build = build,
-    .view = view,
+    .view = pm__cornell_view,
 };

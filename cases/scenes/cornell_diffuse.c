@@ -26,12 +26,6 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status ? status : pm__cornell_lamp(scene, 0.15, 10.0, error);
 }
 
-static void view(const double *values, pm__view *from)
-{
-    (void)values;
-    pm__cornell_view(from);
-}
-
 const pm__case pm__case_scene_cornell_diffuse = {
     .entry = {.name = "scene:cornell-diffuse",
               .summary = "Cornell box with two blocks, all Lambertian",
@@ -42,5 +36,5 @@ const pm__case pm__case_scene_cornell_diffuse = {
     .sample_dimensions = 4,
     .strata_dimensions = 2,
     .build = build,
-    .view = view,
+    .view = pm__cornell_view,
 };

@@ -93,12 +93,6 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status ? status : pm__cornell_lamp(scene, 0.2, 12.0, error);
 }
 
-static void view(const double *values, pm__view *from)
-{
-    (void)values;
-    pm__cornell_view(from);
-}
-
 const pm__case pm__case_scene_cornell_water = {
     .entry = {.name = "scene:cornell-water",
               .summary = "Cornell box half full of water with waves",
@@ -109,5 +103,5 @@ const pm__case pm__case_scene_cornell_water = {
     .sample_dimensions = 4,
     .strata_dimensions = 2,
     .build = build,
-    .view = view,
+    .view = pm__cornell_view,
 };

@@ -76,12 +76,6 @@ static pm_status build(const double *values, pm__scene *scene, pm_error *error)
     return status ? status : pm__cornell_lamp(scene, 0.15, 12.0, error);
 }
 
-static void view(const double *values, pm__view *from)
-{
-    (void)values;
-    pm__cornell_view(from);
-}
-
 const pm__case pm__case_scene_fractal_cornell = {
     .entry = {.name = "scene:fractal-cornell",
               .summary = "Cornell boxes within a Cornell box, by instances",
@@ -92,5 +86,5 @@ const pm__case pm__case_scene_fractal_cornell = {
     .sample_dimensions = 4,
     .strata_dimensions = 2,
     .build = build,
-    .view = view,
+    .view = pm__cornell_view,
 };

@@ -23,8 +23,9 @@ pm__room pm__cornell_room(double albedo)
                       .open = true};
 }
 
-void pm__cornell_view(pm__view *view)
+void pm__cornell_view(const double *values, pm__view *view)
 {
+    (void)values;
     const double away = 1.44;
     *view = (pm__view){.eye = {0, -PM__CORNELL_HALF - away, PM__CORNELL_HALF},
                        .at = {0, 0, PM__CORNELL_HALF},

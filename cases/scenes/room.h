@@ -23,7 +23,7 @@ typedef struct pm__room {
  * and a fifth of it in the others. */
 pm__room pm__cornell_room(double albedo);
 /* Looks through the open front, whose rim is that of a square image. */
-void pm__cornell_view(pm__view *view);
+void pm__cornell_view(const double *values, pm__view *view);
 /* The square lamp in its ceiling: half its side, W in each band. */
 pm_status pm__cornell_lamp(pm__scene *scene, double half, double watts, pm_error *error);
 

@@ -9,7 +9,6 @@
 
 #include "../../estimators/estimator.h"
 #include "../base/status.h"
-#include "../map/structure.h"
 #include "../methods/method.h"
 #include "../search/search.h"
 
@@ -145,15 +144,11 @@ static void free_work(work *w)
     pm__render_files_free(&w->files);
 }
 
-/* What does not fit is refused before it is begun. Bytes at the least: sums in double and images, photons and a map. */
+/* What does not fit is refused before it is begun. */
 static pm_status check_memory(const pm__render_task *task, pm_error *error)
 {
-    enum { PLAIN = 36, WITH_AOV = 116 };
     const pm__render_config *const c = &task->config;
-    const double memory = pm__free_memory(), pixels = (double)c->width * (double)c->height;
-    double wanted = pixels * (double)task->estimator_count * (c->aov ? WITH_AOV : PLAIN);
-    if (task->estimates)
-        wanted += (double)c->photons * ((double)sizeof(pm_photon) + pm__bytes_to_build(c->search->structure, false));
+    const double memory = pm__free_memory(), wanted = pm__render_bytes(c);
     if (memory > 0.0 && wanted > memory)
         return pm__fail(error, PM_ENOMEM, "%zux%zu pixels and %zu photons take %.3g GB of memory; %.3g GB are free",
                         c->width, c->height, c->photons, 1e-9 * wanted, 1e-9 * memory);

@@ -63,6 +63,8 @@ pm_status pm__reference_load_from(const pm__reference_row *table, const char *sc
         status = pm__exr_read_memory(row->error, bytes_between(row->error, row->error_end), name, &reference->error,
                                      error);
     const pm__image *const a = &reference->radiance, *const b = &reference->error;
+    if (status == PM_OK && a->channels != 3)
+        status = pm__fail(error, PM_EFORMAT, "%s: expected channels R, G and B, found Y", name);
     if (status == PM_OK && (a->width != b->width || a->height != b->height || a->channels != b->channels))
         status = pm__fail(error, PM_EFORMAT, "%s: expected an image of errors of %zu x %zu, found one of %zu x %zu",
                           name, a->width, a->height, b->width, b->height);

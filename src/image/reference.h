@@ -5,7 +5,7 @@
 #include "image.h"
 
 typedef struct pm__reference {
-    pm__image radiance; /* W/(m2 sr) */
+    pm__image radiance; /* W/(m2 sr), R G B */
     pm__image error;    /* its own: the standard error of each pixel and band, over the mean radiance of the image */
 } pm__reference;
 
@@ -23,7 +23,7 @@ bool pm__reference_exists(const char *scene);
 /* ENAME: there is none. ENOMEM. *reference is whole or empty; free by pm__reference_free. */
 pm_status pm__reference_load(const char *scene, pm__reference *reference, pm_error *error);
 
-/* The same from another table. EFORMAT: a file is none, or the two do not fit together. */
+/* The same from another table. EFORMAT: a file is none or has not R G B, or the two do not fit together. */
 pm_status pm__reference_load_from(const pm__reference_row *table, const char *scene, pm__reference *reference,
                                   pm_error *error);
 

@@ -6,9 +6,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Over trials, and of the samples of one where no maps set them apart. */
+static bool wants_moments(const pm__render_config *config)
+{
+    return config->aov && config->trials > 1;
+}
+
+static bool wants_square(const pm__render_config *config, bool maps)
+{
+    return config->aov && config->trials == 1 && !maps;
+}
+
+double pm__film_bytes(const pm__render_config *config, bool maps)
+{
+    const pm__film *const film = NULL; /* for its types alone */
+    enum { COLOUR = 3 * sizeof(float), GREY = sizeof(float) };
+    size_t bytes = sizeof *film->sum + sizeof *film->first + sizeof *film->radius + sizeof *film->count + COLOUR;
+    if (config->aov && maps)
+        bytes += 2 * GREY;
+    if (wants_moments(config))
+        bytes += sizeof *film->mean + sizeof *film->m2 + COLOUR;
+    if (wants_square(config, maps))
+        bytes += sizeof *film->square + COLOUR;
+    return (double)bytes;
+}
+
 pm_status pm__film_create(const pm__render_job *job, bool maps, pm__film *film, pm_error *error)
 {
-    const bool moments = job->config->aov && job->config->trials > 1, square = job->config->aov && !moments && !maps;
+    const bool moments = wants_moments(job->config), square = wants_square(job->config, maps);
     const size_t width = job->config->width, height = job->config->height, pixels = width * height;
     const size_t across = (width + PM__TILE - 1) / PM__TILE, down = (height + PM__TILE - 1) / PM__TILE;
     const size_t all = pixels * job->images;

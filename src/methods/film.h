@@ -19,7 +19,11 @@ typedef struct pm__film {
     size_t trials;
 } pm__film;
 
-/* ENOMEM; then all is released. maps: the method has some. */
+/* What a film and the images made of it hold at the least (a truth may be known or not): bytes for each pixel and
+ * image. maps: the method has some. */
+double pm__film_bytes(const pm__render_config *config, bool maps);
+
+/* ENOMEM; then all is released. maps: as above. */
 pm_status pm__film_create(const pm__render_job *job, bool maps, pm__film *film, pm_error *error);
 void pm__film_destroy(pm__film *film);
 

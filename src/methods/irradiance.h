@@ -1,8 +1,7 @@
 /* Irradiance computed beforehand at a share of the photons, and used at the nearest of them ([C02] 5.4): what final
- * gathering looks up. Each estimator's own, with the photon at which it is computed: that one is there for certain,
- * which is one too many, but photons in thin spots stand for more points, which takes it back. From k = 50 on flat
- * estimates keep the mean that they have elsewhere; kernels, which weigh that photon most, are a little bright
- * (errata 13). */
+ * gathering looks up. Each estimator's own, with the photon at which it is computed: it is there for certain, which is
+ * one too many, but photons in thin spots stand for more points, which takes it back. From k = 50 on flat estimates
+ * keep the mean that they have elsewhere; kernels, which weigh that photon most, are a little bright (errata 13). */
 #ifndef PM_METHODS_IRRADIANCE_H
 #define PM_METHODS_IRRADIANCE_H
 

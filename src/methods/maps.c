@@ -66,6 +66,7 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
         pm__projection_destroy(made ? projection : NULL);
         return status; /* nothing is specular: there are no such photons */
     }
+    const double most = fmin(ceil(wish->most * (double)count), (double)PM__MOST_TRACED);
     const pm__shoot_config shooting = {.scene = job->scene,
                                        .paths = paths,
                                        .seed = config->seed,
@@ -74,7 +75,7 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
                                        .projection = projection,
                                        .count = count,
                                        .emitted = wish->emitted,
-                                       .most = (uint64_t)ceil(wish->most * (double)count),
+                                       .most = (uint64_t)most,
                                        .normals = wish->normals || (wish->estimates && wants_normals(job)),
                                        .parallel = config->parallel,
                                        .canceled = config->canceled,

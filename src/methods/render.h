@@ -64,6 +64,9 @@ extern const pm__catalogue pm__methods;
 /* What the render will do and why, before anything is traced. EINVAL, ENOMEM as pm__render. */
 pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_error *error);
 
+/* Bytes that it will hold at the least: film and images, photons and maps without directions. */
+double pm__render_bytes(const pm__render_config *config);
+
 /* EINVAL: what is asked for cannot be (error says why). ENOMEM. Canceled: PM_OK with `interrupted`; images hold what
  * was done. Free the result by pm__render_free in any case. */
 pm_status pm__render(const pm__render_config *config, pm__render_result *result, pm_error *error);

@@ -66,6 +66,8 @@ void pm__box_enclose(double low[3], double high[3], const double point[3]);
 
 /* Room for one more geometry of `count` shapes, checked; *made is not in the scene yet. */
 pm_status pm__geometry_create(pm__scene *scene, size_t count, pm__geometry **made, pm_error *error);
+/* The same for shapes that have a material; EINVAL also where the scene has none of that number. */
+pm_status pm__geometry_of(pm__scene *scene, uint32_t material, size_t count, pm__geometry **made, pm_error *error);
 /* Puts it, with its box, into the scene; takes `embree` over. */
 void pm__geometry_attach(pm__scene *scene, pm__geometry *made, RTCGeometry embree);
 

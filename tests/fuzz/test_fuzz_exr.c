@@ -1,34 +1,14 @@
 /* Damaged OpenEXR files: whatever the damage, a status comes back soon, an error names the file, and an image is whole
  * or empty. Deterministic: the same files at each run. */
-#include "../../src/base/random.h"
 #include "../../src/image/image.h"
 
 #include "../exr.h"
 #include "../files.h"
-#include "../test.h"
+#include "damage.h"
 
-#include <sys/resource.h>
 #include <time.h>
 
-enum { FILES = 12000, SIZE = 1 << 14, SEEDS = 7 };
-
-typedef struct sample_file {
-    unsigned char content[SIZE];
-    size_t size;
-} sample_file;
-
-/* A stream of numbers for one file. */
-typedef struct dice {
-    uint64_t file;
-    uint32_t next;
-} dice;
-
-static size_t roll(dice *d, size_t below)
-{
-    uint32_t words[4];
-    pm__random_words(1, PM__FOR_TESTS, 11, d->file, d->next++, words);
-    return below ? words[0] % below : 0;
-}
+enum { FILES = 12000, SEEDS = 7, TEST = 11 }; /* TEST: of the dice */
 
 static sample_file seeds[SEEDS];
 static char path[PM__TEST_PATH];
@@ -58,22 +38,10 @@ static void make_seeds(const pm__test_directory *directory)
             ck_assert_int_eq(fclose(file), 0);
             pm__image_free(&image);
         }
-        const long size = pm__test_read(path, (char *)seeds[i].content, SIZE);
-        ck_assert(size > 0 && size < SIZE / 2);
+        const long size = pm__test_read(path, (char *)seeds[i].content, sizeof seeds[i].content);
+        ck_assert(size > 0 && size < (long)sizeof seeds[i].content / 2);
         seeds[i].size = (size_t)size;
     }
-}
-
-/* Puts `count` bytes in place of the `removed` ones at `at`, as far as there is room. */
-static void splice(sample_file *f, size_t at, size_t removed, const void *from, size_t count)
-{
-    if (removed > f->size - at)
-        removed = f->size - at;
-    if (f->size - removed + count > SIZE)
-        return;
-    memmove(f->content + at + count, f->content + at + removed, f->size - at - removed);
-    memcpy(f->content + at, from, count);
-    f->size = f->size - removed + count;
 }
 
 /* The header is where damage does most. */
@@ -104,51 +72,18 @@ static void replace_word(sample_file *f, size_t at, dice *d)
                                         "box2i", "tiles", "tiledesc", "preview", "string", "stringvector", "chunkCount",
                                         "int", "double", "channels", "dataWindow", "version", "lineOrder",
                                         "floatvector", "opaque", "name", "keycode", "timecode", "m44f", "compression"};
-    while (at > 0 && f->content[at - 1] >= 'A')
-        at--;
-    size_t end = at;
-    while (end < f->size && f->content[end] >= 'A')
-        end++;
-    const char *const word = words[roll(d, sizeof words / sizeof *words)];
-    splice(f, at, end - at, word, strlen(word));
+    replace_run(f, at, 'A', words, sizeof words / sizeof *words, d);
 }
 
 static void damage(sample_file *f, dice *d)
 {
-    const size_t at = roll_place(f, d);
-    unsigned char noise[16], chunk[256];
-    for (size_t i = 0; i < sizeof noise; i++)
-        noise[i] = (unsigned char)roll(d, 256);
-    const size_t length = roll(d, f->size - at < sizeof chunk ? f->size - at : sizeof chunk);
-    memcpy(chunk, f->content + at, length);
-    switch (roll(d, 12)) {
-    case 0:
-        f->size = roll(d, f->size);
-        break;
-    case 1:
-        splice(f, at, 0, noise, roll(d, sizeof noise));
-        break;
-    case 2:
-        splice(f, at, length, noise, roll(d, sizeof noise));
-        break;
-    case 3:
-        splice(f, roll(d, f->size), 0, chunk, length);
-        break;
-    case 4:
-        splice(f, at, roll(d, 64), "", 0);
-        break;
-    case 5:
-        replace_word(f, at, d);
-        break;
-    case 6:
-    case 7:
-    case 8:
+    const size_t at = roll_place(f, d), kind = roll(d, 2 * DAMAGES);
+    if (kind < DAMAGES)
+        damage_bytes(f, at, kind, d);
+    else if (kind < DAMAGES + 4)
         replace_number(f, at, d);
-        break;
-    default:
-        if (f->size)
-            f->content[at] ^= (unsigned char)(1U << roll(d, 8));
-    }
+    else
+        replace_word(f, at, d);
 }
 
 static void check_error(pm_status status, const pm_error *error, const pm__image *image)
@@ -196,16 +131,6 @@ static void try_attribute(const sample_file *f)
         ck_assert_msg(status == PM_EFORMAT || status == PM_ENAME || status == PM_EINVAL, "%s", error.text);
 }
 
-/* A false size must not be believed: then an allocation fails, and ENOMEM is no status expected here. Address
- * sanitizers need the room themselves. */
-static void limit_memory(void)
-{
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-    const struct rlimit limit = {(rlim_t)1 << 30, (rlim_t)1 << 30};
-    ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
-#endif
-}
-
 START_TEST(damaged_files)
 {
     limit_memory();
@@ -213,7 +138,7 @@ START_TEST(damaged_files)
     make_seeds(&directory);
     size_t read = 0, refused = 0;
     for (uint64_t i = 0; i < FILES; i++) {
-        dice d = {i, 0};
+        dice d = {i, TEST, 0};
         sample_file f = seeds[i % SEEDS];
         for (size_t n = i < SEEDS ? 0 : 1 + roll(&d, 3); n > 0; n--)
             damage(&f, &d);
@@ -240,7 +165,7 @@ START_TEST(noise)
     const pm__test_directory directory = pm__test_directory_create();
     make_seeds(&directory);
     for (uint64_t i = 0; i < 3000; i++) {
-        dice d = {FILES + i, 0};
+        dice d = {FILES + i, TEST, 0};
         sample_file f = seeds[i % SEEDS];
         for (size_t at = i % 3 ? f.size / 2 + roll(&d, f.size / 2) : 8; at < f.size; at++)
             f.content[at] = (unsigned char)roll(&d, 256);

@@ -2,27 +2,14 @@
  * Deterministic: the same strings at each run. */
 #include "../../cases/case.h"
 #include "../../estimators/estimator.h"
-#include "../../src/base/random.h"
 #include "../../src/base/sampler.h"
 #include "../../src/cli/commands.h"
 
-#include "../test.h"
+#include "dice.h"
 
 #include <string.h>
 
-enum { SPECS = 60000, LINES = 20000, LENGTH = 120, WORDS = 12 };
-
-typedef struct dice {
-    uint64_t number;
-    uint32_t next;
-} dice;
-
-static size_t roll(dice *d, size_t below)
-{
-    uint32_t words[4];
-    pm__random_words(1, PM__FOR_TESTS, 8, d->number, d->next++, words);
-    return words[0] % below;
-}
+enum { SPECS = 60000, LINES = 20000, LENGTH = 120, WORDS = 12, TEST = 8 }; /* TEST: of the dice */
 
 static const char *const pieces[] = {
     "disc", "cone", "gaussian", "hull",  "combined", "differential", "all",    "square", "sinusoid", "point-light",
@@ -86,7 +73,7 @@ START_TEST(specs)
     const pm__catalogue *const catalogues[] = {&pm__estimators, &pm__all_cases, &pm__samplers};
     size_t taken = 0;
     for (uint64_t i = 0; i < SPECS; i++) {
-        dice d = {i, 0};
+        dice d = {i, TEST, 0};
         char text[LENGTH];
         const pm__catalogue *const catalogue = catalogues[i % 3];
         if (i % 2)
@@ -130,7 +117,7 @@ START_TEST(command_lines)
                                            &pm__command_help};
     size_t taken = 0;
     for (uint64_t i = 0; i < LINES; i++) {
-        dice d = {i, 1000};
+        dice d = {i, TEST, 1000};
         const pm__command *const command = commands[i % 4];
         char words[WORDS][LENGTH], *argv[WORDS + 1];
         const size_t count = 1 + roll(&d, 4);

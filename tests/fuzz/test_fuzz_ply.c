@@ -1,32 +1,13 @@
 /* Damaged PLY files: whatever the damage, a status comes back soon, an error names the file, and what is read is
  * finite. Deterministic: the same files at each run. */
-#include "../../src/base/random.h"
 #include "../../src/photonmap.h"
 
 #include "../ply.h"
+#include "damage.h"
 
-#include <sys/resource.h>
 #include <time.h>
 
-enum { FILES = 12000, SIZE = 4096, SEEDS = 4 };
-
-typedef struct sample_file {
-    unsigned char content[SIZE];
-    size_t size;
-} sample_file;
-
-/* A stream of numbers for one file. */
-typedef struct dice {
-    uint64_t file;
-    uint32_t next;
-} dice;
-
-static size_t roll(dice *d, size_t below)
-{
-    uint32_t words[4];
-    pm__random_words(1, PM__FOR_TESTS, 7, d->file, d->next++, words);
-    return below ? words[0] % below : 0;
-}
+enum { FILES = 12000, SEEDS = 4, TEST = 7 }; /* TEST: of the dice */
 
 #define BEFORE "element camera 2\nproperty double fov\nproperty list uchar short ids\n"
 #define AFTER "element face 1\nproperty list uchar int vertex_indices\n"
@@ -56,18 +37,6 @@ static sample_file valid_file(int kind)
     return f;
 }
 
-/* Puts `count` bytes in place of the `removed` ones at `at`, as far as there is room. */
-static void splice(sample_file *f, size_t at, size_t removed, const void *from, size_t count)
-{
-    if (removed > f->size - at)
-        removed = f->size - at;
-    if (f->size - removed + count > SIZE)
-        return;
-    memmove(f->content + at + count, f->content + at + removed, f->size - at - removed);
-    memcpy(f->content + at, from, count);
-    f->size = f->size - removed + count;
-}
-
 /* Puts an ugly word in place of a word or a number. */
 static void replace_word(sample_file *f, size_t at, dice *d)
 {
@@ -75,46 +44,16 @@ static void replace_word(sample_file *f, size_t at, dice *d)
                                         "1073741823", "4294967295", "1e18", "0x1p5", "", "vertex", "property", "list",
                                         "element", "end_header\n", "x", "double", "uchar", "\n", "\r", "comment",
                                         "binary_little_endian", "ascii", "1e-400", "0.00000000000000000000000000001"};
-    while (at > 0 && f->content[at - 1] > ' ')
-        at--;
-    size_t end = at;
-    while (end < f->size && f->content[end] > ' ')
-        end++;
-    const char *const word = words[roll(d, sizeof words / sizeof *words)];
-    splice(f, at, end - at, word, strlen(word));
+    replace_run(f, at, ' ' + 1, words, sizeof words / sizeof *words, d);
 }
 
 static void damage(sample_file *f, dice *d)
 {
-    const size_t at = roll(d, f->size);
-    unsigned char noise[16], chunk[256];
-    for (size_t i = 0; i < sizeof noise; i++)
-        noise[i] = (unsigned char)roll(d, 256);
-    const size_t length = roll(d, f->size - at < sizeof chunk ? f->size - at : sizeof chunk);
-    memcpy(chunk, f->content + at, length);
-    switch (roll(d, 8)) {
-    case 0:
-        if (f->size)
-            f->content[at] ^= (unsigned char)(1U << roll(d, 8));
-        break;
-    case 1:
-        f->size = at;
-        break;
-    case 2:
-        splice(f, at, 0, noise, roll(d, sizeof noise));
-        break;
-    case 3:
-        splice(f, at, length, noise, roll(d, sizeof noise));
-        break;
-    case 4:
-        splice(f, roll(d, f->size), 0, chunk, length);
-        break;
-    case 5:
-        splice(f, at, roll(d, 64), "", 0);
-        break;
-    default:
+    const size_t at = roll(d, f->size), kind = roll(d, DAMAGES + 2);
+    if (kind < DAMAGES)
+        damage_bytes(f, at, kind, d);
+    else
         replace_word(f, at, d);
-    }
 }
 
 static void check_error(pm_status status, const pm_error *error, size_t count)
@@ -177,22 +116,12 @@ static bool try_points(void)
     return true;
 }
 
-/* A false count must not be believed: then an allocation fails, and ENOMEM is no status expected here. Address
- * sanitizers need the room themselves. */
-static void limit_memory(void)
-{
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-    const struct rlimit limit = {(rlim_t)1 << 30, (rlim_t)1 << 30};
-    ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
-#endif
-}
-
 START_TEST(damaged_files)
 {
     limit_memory();
     size_t read = 0, refused = 0;
     for (uint64_t i = 0; i < FILES; i++) {
-        dice d = {i, 0};
+        dice d = {i, TEST, 0};
         sample_file f = valid_file((int)(i % SEEDS));
         for (size_t n = i < SEEDS ? 0 : 1 + roll(&d, 4); n > 0; n--)
             damage(&f, &d);
@@ -217,7 +146,7 @@ START_TEST(noise)
 {
     limit_memory();
     for (uint64_t i = 0; i < 2000; i++) {
-        dice d = {FILES + i, 0};
+        dice d = {FILES + i, TEST, 0};
         static const char *const starts[] = {"", "ply\n", ASCII, BINARY "element vertex 5\n" ALL NORMAL "end_header\n",
                                              ASCII "element vertex 5\n" ALL NORMAL "end_header\n"};
         put_text(starts[i % 5]);

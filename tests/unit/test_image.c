@@ -133,6 +133,7 @@ START_TEST(unfit_references)
     const stored cut = {a.bytes, a.size - 1};
     check_unfit(make_row("pool", a, turned));
     check_unfit(make_row("pool", a, grey));
+    check_unfit(make_row("pool", grey, grey));
     check_unfit(make_row("pool", a, cut));
     check_unfit(make_row("pool", cut, a));
     free(a.bytes);
