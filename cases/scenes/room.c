@@ -120,8 +120,14 @@ pm_status pm__room_block(pm__scene *scene, uint32_t material, const double centr
 {
     const double x = half * cos(turn), y = half * sin(turn);
     const double ring[4][2] = {{x + y, y - x}, {x - y, y + x}, {-x - y, x - y}, {y - x, -x - y}};
+    /* m; closed below, so that whoever stands in it sees walls all around, but not in the floor: rounding would decide
+     * which of the two is met */
+    const double above_floor = 1e-6;
     const wall top = {{centre[0] + ring[3][0], centre[1] + ring[3][1], height}, {2 * x, 2 * y, 0}, {-2 * y, 2 * x, 0}};
+    const wall bottom = {{top.corner[0], top.corner[1], above_floor}, {-2 * y, 2 * x, 0}, {2 * x, 2 * y, 0}};
     pm_status status = add_wall(scene, material, &top, error);
+    if (!status)
+        status = add_wall(scene, material, &bottom, error);
     for (int i = 0; i < 4 && !status; i++) { /* counterclockwise from above, so cross(along, up) points outward */
         const double *const p = ring[i], *const q = ring[(i + 1) % 4];
         const wall side = {{centre[0] + p[0], centre[1] + p[1], 0}, {q[0] - p[0], q[1] - p[1], 0}, {0, 0, height}};

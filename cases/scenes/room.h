@@ -37,7 +37,7 @@ pm_status pm__mirror_material(pm__scene *scene, uint32_t *index, pm_error *error
 /* Of one index for all bands, absorbing nothing. */
 pm_status pm__glass_material(pm__scene *scene, double ior, uint32_t *index, pm_error *error);
 
-/* The four sides and the top of a square block that stands on the floor; turn: radian about z. */
+/* A square block that stands on the floor; turn: radian about z. */
 pm_status pm__room_block(pm__scene *scene, uint32_t material, const double centre[2], double half, double height,
                          double turn, pm_error *error);
 

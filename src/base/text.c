@@ -131,14 +131,18 @@ const char *pm__nearest_name(const char *name, const char *const *candidates, si
     if (!length || length > LONGEST_NAME)
         return NULL;
     const char *nearest = NULL;
-    size_t least = (length + 2) / 3; /* a slip in three letters or so; fewer edits win, then the earlier candidate */
+    /* A slip in three letters or so. Fewer edits win, then what the name begins, then the earlier candidate. */
+    size_t least = (length + 2) / 3;
+    bool begun = false;
     for (size_t i = 0; i < count; i++) {
         if (strlen(candidates[i]) > LONGEST_NAME)
             continue;
         const size_t distance = edit_distance(name, candidates[i]);
-        if (distance <= least && distance < length && (!nearest || distance < least)) {
+        const bool begins = strncasecmp(candidates[i], name, length) == 0;
+        if (distance <= least && distance < length && (!nearest || distance < least || (begins && !begun))) {
             nearest = candidates[i];
             least = distance;
+            begun = begins;
         }
     }
     return nearest ? nearest : completed_name(name, candidates, count);

@@ -88,19 +88,25 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
     needs->projection = reaching && !all;
     needs->global = all || indirect;
     needs->behind = all;
-    pm__plan_step(plan, needs->caustic, "caustic pass",
-                  !specular    ? "no specular surface"
-                  : !reaching  ? "no light reaches a specular surface"
-                               : "%zu of %zu light%s can reach a specular surface", reaching, lights,
-                  lights == 1 ? "" : "s");
+    if (reaching)
+        pm__plan_step(plan, true, "caustic pass", "%zu of %zu light%s can reach a specular surface", reaching, lights,
+                      lights == 1 ? "" : "s");
+    else
+        pm__plan_step(plan, all, "caustic pass", "%s%s",
+                      specular ? "no light reaches a specular surface" : "no specular surface", pm__plan_anyway(job));
     pm__plan_step(plan, needs->projection, "projection map",
-                  reaching ? "caustic photons are sent where specular surfaces are" : "no caustic photons");
-    pm__plan_step(plan, needs->global, "global map",
+                  !reaching ? "no caustic photons"
+                  : all     ? "--no-skip: caustic photons are sent everywhere"
+                            : "caustic photons are sent where specular surfaces are");
+    pm__plan_step(plan, needs->global, "global map", "%s%s",
                   indirect ? "surfaces light each other"
-                  : alone  ? "one flat surface sends no light to itself" : "no rough surface reflects");
-    pm__plan_step(plan, needs->global, "final gathering",
-                  indirect ? "%g rays a sample, irradiance at %g of the photons" : "no indirect light",
-                  job->config->method->values[GATHER], job->config->method->values[FRACTION]);
+                  : alone  ? "one flat surface sends no light to itself" : "no rough surface reflects",
+                  indirect ? "" : pm__plan_anyway(job));
+    if (indirect)
+        pm__plan_step(plan, true, "final gathering", "%g rays a sample, irradiance at %g of the photons",
+                      job->config->method->values[GATHER], job->config->method->values[FRACTION]);
+    else
+        pm__plan_step(plan, all, "final gathering", "no indirect light%s", pm__plan_anyway(job));
     pm__plan_step(plan, true, "shadow rays", photons ? "where lit and shadow photons meet"
                                              : all   ? "to every light, also from behind"
                                                      : "to lights in front of the surface that shine that way");

@@ -38,33 +38,14 @@ static pm_status evaluate(pm__irradiance *irradiance, const pm__spec *spec, cons
     return PM_OK;
 }
 
-static void leave_out(uint32_t number, pm_neighbor *neighbors, size_t *count)
-{
-    for (size_t i = 0; i < *count; i++)
-        if (neighbors[i].number == number) {
-            neighbors[i] = neighbors[--*count];
-            return;
-        }
-    /* Others share its place, and it came last. */
-    size_t farthest = 0;
-    for (size_t i = 1; i < *count; i++)
-        if (neighbors[i].distance2 > neighbors[farthest].distance2)
-            farthest = i;
-    if (*count)
-        neighbors[farthest] = neighbors[--*count];
-}
-
-/* All estimators at one photon, from its k + 1 nearest. */
+/* All estimators at one photon, from its k nearest, of which it is one. */
 static pm_status compute(pm__irradiance *irradiance, const pm_query *query, pm_neighbor *neighbors, size_t count,
                          size_t carrier, pm_workspace *workspace)
 {
     const pm__render_job *const job = irradiance->job;
     const pm_map *const map = irradiance->maps->map;
     const pm__gathering gathering = {NULL, pm_map_unit(map), true, true};
-    pm_query others = *query;
-    others.k = job->config->k;
-    leave_out(irradiance->carriers.number[carrier], neighbors, &count);
-    pm_status status = pm__gather_found(map, &others, neighbors, count, &gathering, workspace);
+    pm_status status = pm__gather_found(map, query, neighbors, count, &gathering, workspace);
     if (status != PM_OK)
         return status;
     pm__point_sets(workspace, 1, true);
@@ -79,14 +60,13 @@ static pm_status compute_block(pm__irradiance *irradiance, size_t first, size_t 
     const size_t k = irradiance->job->config->k;
     const pm_map *const map = irradiance->maps->map;
     static const double nowhere[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
-    pm_query model = pm__maps_query(irradiance->job, nowhere, up);
-    model.k = k ? k + 1 : 0;
+    const pm_query model = pm__maps_query(irradiance->job, nowhere, up);
     for (size_t i = 0; i < count; i++)
         scratch->queries[i] = pm__carrier_query(&irradiance->carriers, map, &model, first + i);
     pm_status status =
-        pm_map_search_batch(map, scratch->queries, count, scratch->neighbors, k + 1, scratch->counts);
+        pm_map_search_batch(map, scratch->queries, count, scratch->neighbors, k, scratch->counts);
     for (size_t i = 0; i < count && status == PM_OK; i++)
-        status = compute(irradiance, &scratch->queries[i], scratch->neighbors + i * (k + 1), scratch->counts[i],
+        status = compute(irradiance, &scratch->queries[i], scratch->neighbors + i * k, scratch->counts[i],
                          first + i, scratch->workspace);
     return status;
 }
@@ -95,9 +75,14 @@ static void run_block(void *argument, size_t block)
 {
     work *const w = argument;
     pm__irradiance *const irradiance = w->irradiance;
+    const pm__render_config *const config = irradiance->job->config;
     const size_t first = block * BLOCK, rest = irradiance->carriers.count - first;
     pm__maps_scratch scratch;
-    pm_status status = pm__maps_scratch_create(BLOCK, irradiance->job->config->k + 1, &scratch);
+    if (config->canceled && config->canceled(config->context)) {
+        atomic_store(&w->failure, (int)PM_ECANCELED);
+        return;
+    }
+    pm_status status = pm__maps_scratch_create(BLOCK, config->k, &scratch);
     if (status == PM_OK)
         status = compute_block(irradiance, first, rest < BLOCK ? rest : BLOCK, &scratch);
     pm__maps_scratch_destroy(&scratch);

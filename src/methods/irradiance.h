@@ -1,6 +1,7 @@
 /* Irradiance computed beforehand at a share of the photons, and used at the nearest of them ([C02] 5.4): what final
- * gathering looks up. Each estimator's own, without the photon at which it is computed: given that one, the others are
- * still Poisson, so estimators keep the mean that they have elsewhere (errata 13). */
+ * gathering looks up. Each estimator's own, with the photon at which it is computed: it is there for certain, which is
+ * one too many, but photons in thin spots stand for more points, which takes it back. From k = 50 on flat estimates
+ * keep the mean that they have elsewhere; kernels, which weigh that photon most, are a little bright (errata 13). */
 #ifndef PM_METHODS_IRRADIANCE_H
 #define PM_METHODS_IRRADIANCE_H
 
@@ -15,7 +16,7 @@ typedef struct pm__irradiance {
     float *radius;      /* m, [carrier]: of the lookup */
 } pm__irradiance;
 
-/* maps: with normals; must outlive the result. ENOMEM. On error all is released. */
+/* maps: with normals; must outlive the result. ENOMEM, ECANCELED. On error all is released. */
 pm_status pm__irradiance_create(const pm__render_job *job, const pm__maps *maps, double fraction,
                                 pm__irradiance *irradiance, pm_error *error);
 void pm__irradiance_destroy(pm__irradiance *irradiance); /* an empty one is allowed */

@@ -14,10 +14,12 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
     size_t hidden = 0;
     for (size_t i = 0; i < pm__scene_light_count(job->scene); i++)
         hidden += !is_seen(pm__scene_light_at(job->scene, i));
-    const bool lost = hidden && pm__count_objects(job->scene, pm__is_specular);
+    const size_t specular = pm__count_objects(job->scene, pm__is_specular);
     pm__plan_step(plan, false, "photon map", "paths from the camera need none");
-    pm__plan_step(plan, false, "caustic pass", lost ? "none: caustics of lights without an area are MISSING here"
-                                                    : "paths find lights through mirrors and glass");
+    pm__plan_step(plan, false, "caustic pass",
+                  !specular ? "no specular surface"
+                  : hidden  ? "none: caustics of lights without an area are MISSING here"
+                            : "paths find lights through mirrors and glass");
     needs->behind = job->config->no_skip;
     pm__plan_step(plan, true, "shadow rays", needs->behind ? "to every light"
                                                            : "to lights in front of the surface that shine that way");

@@ -16,6 +16,11 @@ void pm__plan_step(pm__plan *plan, bool done, const char *name, const char *why,
     va_end(arguments);
 }
 
+const char *pm__plan_anyway(const pm__render_job *job)
+{
+    return job->config->no_skip ? ", but --no-skip" : "";
+}
+
 /* ---- What is in the scene ---------------------------------------------------------------------- */
 
 size_t pm__count_objects(const pm__scene *scene, bool (*is)(const pm__material *material))
@@ -113,13 +118,15 @@ void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
     const bool glossy = pm__count_objects(job->scene, pm__is_glossy);
     needs->front = job->config->no_skip || !floor;
     needs->directions = job->config->no_skip || needs->front || glossy;
-    pm__plan_step(plan, needs->front, "front-side filter",
+    pm__plan_step(plan, needs->front, "front-side filter", "%s%s",
                   floor ? "one plane holds all rough surfaces, lit and seen from one side alone"
-                        : "photons may come from behind a surface, or lie on one nearby");
-    pm__plan_step(plan, needs->directions, "photon directions",
-                  needs->front ? "the front-side filter looks at them"
-                  : glossy     ? "glossy surfaces weigh them"
-                               : "nothing looks at them");
+                        : "photons may come from behind a surface, or lie on one nearby",
+                  floor ? pm__plan_anyway(job) : "");
+    pm__plan_step(plan, needs->directions, "photon directions", "%s%s",
+                  !floor   ? "the front-side filter looks at them"
+                  : glossy ? "glossy surfaces weigh them"
+                           : "nothing looks at them",
+                  floor && !glossy ? pm__plan_anyway(job) : "");
 }
 
 void pm__plan_volume(const pm__render_job *job, pm__plan *plan)

@@ -15,6 +15,8 @@ bool pm__is_single_floor(const pm__scene *scene, const double eye[3]);
 /* A step with a reason, as by printf. */
 void pm__plan_step(pm__plan *plan, bool done, const char *name, const char *why, ...)
     __attribute__((format(printf, 4, 5)));
+/* What follows the reason why something is not needed: that it is done all the same. */
+const char *pm__plan_anyway(const pm__render_job *job);
 /* Must lookups refuse photons from behind, must maps keep directions; and the media that no scene has yet. */
 void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs);
 void pm__plan_volume(const pm__render_job *job, pm__plan *plan);

@@ -58,8 +58,9 @@ START_TEST(up_need_be_neither_unit_nor_across)
 {
     const pm__view plain = {.eye = {0, 0, 0}, .at = {1, 0, 0}, .up = {0, 0, 1}, .angle = 1};
     const pm__camera want = camera_of(&plain, 8, 6);
-    static const double ups[][3] = {{0, 0, 1e-150}, {0, 0, 1e150}, {1e3, 0, 1}, {-50, 0, 0.5}};
-    static const double ahead[] = {1e-150, 1e-6, 1e6, 1e150};
+    static const double ups[][3] = {{0, 0, 1e-150}, {0, 0, 1e150}, {0, 0, 1e-300}, {0, 0, 1e300},
+                                    {1e3, 0, 1},    {-50, 0, 0.5}};
+    static const double ahead[] = {1e-150, 1e-6, 1e6, 1e150, 1, 1};
     for (size_t i = 0; i < sizeof ups / sizeof *ups; i++) {
         pm__view view = plain;
         memcpy(view.up, ups[i], sizeof view.up);
@@ -215,5 +216,31 @@ START_TEST(a_camera_inside_a_wall_is_refused)
 }
 END_TEST
 
+/* In what stands in a room there is nothing to see: whoever looks from there is told. */
+START_TEST(nobody_stands_in_a_block)
+{
+    static const struct {
+        const char *scene;
+        double eye[3];
+        bool inside;
+    } places[] = {{"scene:cornell-diffuse", {-0.17, 0.14, 0.3}, true},
+                  {"scene:cornell-diffuse", {0.17, -0.2, 0.01}, true},
+                  {"scene:cornell-diffuse", {0.17, -0.2, 0.31}, false},
+                  {"scene:cornell-diffuse", {0, -0.4, 0.1}, false},
+                  {"scene:four-lights", {-0.45, 0.55, 0.2}, true}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        picture *const p = picture_create(places[i].scene, "visualize", "disc");
+        pm__view view = {.at = {0, 0, 0.9}, .up = {0, 0, 1}, .angle = 1};
+        memcpy(view.eye, places[i].eye, sizeof view.eye);
+        p->config.view = &view;
+        if (places[i].inside)
+            picture_refused(p, "stands inside a wall");
+        else
+            (void)picture_plan(p);
+        picture_free(p);
+    }
+}
+END_TEST
+
 PM_TEST_MAIN("camera", directions_by_hand, the_angle_is_of_the_height, up_need_be_neither_unit_nor_across,
-             what_is_refused, a_camera_inside_a_wall_is_refused)
+             what_is_refused, a_camera_inside_a_wall_is_refused, nobody_stands_in_a_block)

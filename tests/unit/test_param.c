@@ -228,6 +228,8 @@ START_TEST(nearest_names)
         const char *name, *nearest;
     } pairs[] = {{"dsic", "disc"},   {"disk", "disc"},         {"Cone", "cone"},  {"guassian", "gaussian"},
                  {"gausian", "gaussian"}, {"epan", "epanechnikov"}, {"hulll", "hull"}, {"bi", "biweight"}};
+    const char *const scenes[] = {"corner", "cornell"}; /* an edit away both: what is left out is typed least */
+    ck_assert_str_eq(pm__nearest_name("cornel", scenes, 2), "cornell");
     const char *const far[] = {"", "x", "qqqq", "radiance", "completely-different-and-long"};
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         const char *const got = pm__nearest_name(pairs[i].name, names, 6);

@@ -294,8 +294,12 @@ START_TEST(what_full_skips)
         ck_assert_msg(picture_step(&plan, "projection map") == lit[i].caustic, "%s", lit[i].name);
         ck_assert_msg(picture_step(&plan, "global map") == lit[i].global, "%s", lit[i].name);
         p->config.no_skip = true;
+        const pm__plan skipping = plan;
         plan = picture_plan(p);
         ck_assert(picture_step(&plan, "caustic pass") && picture_step(&plan, "global map"));
+        for (size_t j = 0; j < plan.count; j++) /* what is not as it would be says why */
+            ck_assert_msg(plan.steps[j].done == skipping.steps[j].done || strstr(plan.steps[j].why, "--no-skip"),
+                          "%s: %s: %s", lit[i].name, plan.steps[j].name, plan.steps[j].why);
         ck_assert(!picture_step(&plan, "projection map"));
         pm__render_result result = picture_render(p);
         pm__render_free(&result);
