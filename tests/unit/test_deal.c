@@ -22,7 +22,8 @@ static void deal(const pm__dealing *dealing, size_t count, size_t *to, size_t *s
 {
     pm_photon *const photons = numbered(count);
     pm_map *maps[MOST] = {NULL};
-    ck_assert_int_eq(pm__deal(dealing, photons, count, NULL, maps), PM_OK);
+    pm_error error = {""};
+    PM_CHECK_OK(pm__deal(dealing, photons, count, NULL, maps, &error), error);
     size_t all = 0;
     for (size_t i = 0; i < count; i++)
         to[i] = SIZE_MAX;
