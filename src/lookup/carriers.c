@@ -57,7 +57,7 @@ void pm__carriers_destroy(pm__carriers *carriers)
 }
 
 /* 5.4.1: the nearest photon "with a surface normal similar to" the query's. */
-static bool similar_normals(const float a[3], const float b[3])
+bool pm__similar_normals(const float a[3], const float b[3])
 {
     double x[3] = {(double)a[0], (double)a[1], (double)a[2]}, y[3] = {(double)b[0], (double)b[1], (double)b[2]};
     (void)pm__normalize(x);
@@ -82,7 +82,7 @@ pm_status pm__nearest_carrier(const pm__carriers *carriers, const pm_query *quer
             return status;
         for (; seen < found; seen++) {
             const uint32_t source = pm_map_source(carriers->map, workspace->neighbors[seen].number);
-            if (!carriers->normals || similar_normals(carriers->normals[source], query->normal)) {
+            if (!carriers->normals || pm__similar_normals(carriers->normals[source], query->normal)) {
                 *carrier = source;
                 return PM_OK;
             }

@@ -23,6 +23,9 @@ void pm__carriers_destroy(pm__carriers *carriers);
 pm_status pm__nearest_carrier(const pm__carriers *carriers, const pm_query *query, pm_workspace *workspace,
                               size_t *carrier);
 
+/* 5.4.1: "with a surface normal similar to" the other's; of any length above 0. */
+bool pm__similar_normals(const float a[3], const float b[3]);
+
 /* The query at carrier `index`, made from a template: its position and normal; no shape and no filter where the
  * normal is not known. */
 pm_query pm__carrier_query(const pm__carriers *carriers, const pm_map *map, const pm_query *lookup, size_t index);

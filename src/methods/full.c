@@ -15,8 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GATHER, FRACTION, DIRECT };
+enum { GATHER, FRACTION, DIRECT, EDGES };
 enum { RAYS, PHOTONS };
+enum { COVERED, PLAIN };
 enum { MOST_SENT = 16 }; /* caustic photons sent to specular surfaces for each that is to be stored: few get on, then */
 enum { SHADOW_PHOTONS = 32 }; /* looked at for a light's shadow: the papers do not say how many */
 
@@ -24,7 +25,10 @@ static const pm__param params[] = {
     {"gather", PM__INTEGER, 4, 1, 1024, "", NULL, "rays of final gathering for each sample of a pixel"},
     {"fraction", PM__REAL, 0.25, 1e-6, 1, "", NULL, "of the global photons that carry irradiance"},
     {"direct", PM__CHOICE, RAYS, 0, 0, "", "rays|photons",
-     "photons: shadow rays only where lit and shadow photons meet"}};
+     "photons: shadow rays only where lit and shadow photons meet"},
+    {"edges", PM__CHOICE, COVERED, 0, 0, "", "covered|plain",
+     "of stored irradiance. covered: over the part of a lookup's disc that is surface; plain: over the whole disc, dark "
+     "at edges, as the papers have it"}};
 
 /* Photons of one light, lit and in shadow. */
 typedef struct shadow_map {
@@ -168,8 +172,8 @@ static pm_status make_global(pm__render_job *job, uint32_t trial, full_state *st
     pm_status status = pm__maps_create(job, &wish, &state->global, error);
     const double start = pm__seconds();
     if (status == PM_OK)
-        status = pm__irradiance_create(job, &state->global, job->config->method->values[FRACTION], &state->irradiance,
-                                       error);
+        status = pm__irradiance_create(job, &state->global, job->config->method->values[FRACTION],
+                                       job->config->method->values[EDGES] == COVERED, &state->irradiance, error);
     job->build_s += pm__seconds() - start;
     return status;
 }
@@ -366,7 +370,7 @@ const pm__method pm__method_full = {
               .summary = "shadow rays, caustic map, final gathering over the global map",
               .citation = "Jensen 1996; course 43, 2.4 and 5.4",
               .params = params,
-              .param_count = 3},
+              .param_count = 4},
     .estimates = true,
     .check = check,
     .plan = plan,

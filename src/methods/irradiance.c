@@ -1,5 +1,7 @@
 #include "irradiance.h"
 
+#include "coverage.h"
+
 #include "../base/memory.h"
 #include "../base/parallel.h"
 
@@ -22,9 +24,10 @@ static void keep(pm__irradiance *irradiance, size_t image, size_t carrier, const
 }
 
 /* On the neighbours in the workspace. A degenerate set is black. */
-static pm_status evaluate(pm__irradiance *irradiance, const pm__spec *spec, const pm_query *query, size_t image,
+static pm_status evaluate(pm__irradiance *irradiance, const pm__coverage *coverage, const pm_query *query, size_t image,
                           size_t carrier, pm_workspace *workspace)
 {
+    const pm__spec *const spec = &irradiance->job->config->estimators[image]->spec;
     const pm__lookup lookup = {.sets = workspace->sets,
                                .set_count = 1,
                                .dimensions = 2,
@@ -34,8 +37,37 @@ static pm_status evaluate(pm__irradiance *irradiance, const pm__spec *spec, cons
     const pm_status status = pm__evaluate(spec, &lookup, workspace, value);
     if (status != PM_OK && status != PM_EDEGENERATE)
         return status;
+    const double share = irradiance->whole ? pm__coverage_share(coverage, spec) : 1.0;
+    for (int b = 0; b < 3; b++)
+        value[b] /= share;
     keep(irradiance, image, carrier, value);
     return PM_OK;
+}
+
+/* Leaves those whose surfaces are turned as the query's: a wall's photons are none of the floor's. */
+static size_t of_this_surface(const pm__maps *maps, const pm_query *query, pm_neighbor *neighbors, size_t count)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        const float *const normal = maps->normals[pm_map_source(maps->map, neighbors[i].number)];
+        if (pm__similar_normals(normal, query->normal))
+            neighbors[kept++] = neighbors[i];
+    }
+    return kept;
+}
+
+static void find_coverage(const pm__irradiance *irradiance, const pm_query *query, size_t carrier,
+                          pm__coverage *coverage)
+{
+    double position[3], normal[3];
+    for (int a = 0; a < 3; a++) {
+        position[a] = (double)query->position[a];
+        normal[a] = (double)query->normal[a];
+    }
+    (void)pm__normalize(normal);
+    const double phase = 0.6180339887498949 * (double)carrier;
+    pm__coverage_find(irradiance->job->scene, position, normal, (double)irradiance->radius[carrier],
+                      phase - floor(phase), coverage);
 }
 
 /* All estimators at one photon, from its k nearest, of which it is one. */
@@ -45,13 +77,18 @@ static pm_status compute(pm__irradiance *irradiance, const pm_query *query, pm_n
     const pm__render_job *const job = irradiance->job;
     const pm_map *const map = irradiance->maps->map;
     const pm__gathering gathering = {NULL, pm_map_unit(map), true, true};
+    pm__coverage coverage;
+    if (irradiance->whole)
+        count = of_this_surface(irradiance->maps, query, neighbors, count);
     pm_status status = pm__gather_found(map, query, neighbors, count, &gathering, workspace);
     if (status != PM_OK)
         return status;
     pm__point_sets(workspace, 1, true);
     irradiance->radius[carrier] = (float)(sqrt(workspace->sets[0].radius2) * gathering.unit);
+    if (irradiance->whole)
+        find_coverage(irradiance, query, carrier, &coverage);
     for (size_t i = 0; i < job->images && status == PM_OK; i++)
-        status = evaluate(irradiance, &job->config->estimators[i]->spec, query, i, carrier, workspace);
+        status = evaluate(irradiance, &coverage, query, i, carrier, workspace);
     return status;
 }
 
@@ -90,10 +127,10 @@ static void run_block(void *argument, size_t block)
         atomic_store(&w->failure, (int)status);
 }
 
-pm_status pm__irradiance_create(const pm__render_job *job, const pm__maps *maps, double fraction,
+pm_status pm__irradiance_create(const pm__render_job *job, const pm__maps *maps, double fraction, bool whole,
                                 pm__irradiance *irradiance, pm_error *error)
 {
-    *irradiance = (pm__irradiance){.job = job, .maps = maps};
+    *irradiance = (pm__irradiance){.job = job, .maps = maps, .whole = whole};
     pm_status status = pm__carriers_create(&irradiance->carriers, maps->map, fraction,
                                            (const float(*)[3])maps->normals, job->config->parallel);
     const size_t count = irradiance->carriers.count;

@@ -14,10 +14,13 @@ typedef struct pm__irradiance {
     pm__carriers carriers;
     float (*values)[3]; /* W/m2, [image * carriers.count + carrier] */
     float *radius;      /* m, [carrier]: of the lookup */
+    bool whole;         /* edges are made up for */
 } pm__irradiance;
 
-/* maps: with normals; must outlive the result. ENOMEM, ECANCELED. On error all is released. */
-pm_status pm__irradiance_create(const pm__render_job *job, const pm__maps *maps, double fraction,
+/* maps: with normals; must outlive the result. whole: photons of other surfaces are left out, and what of a disc is no
+ * surface is made up for, by rays (coverage.h); else as estimators have it. ENOMEM, ECANCELED. On error all is
+ * released. */
+pm_status pm__irradiance_create(const pm__render_job *job, const pm__maps *maps, double fraction, bool whole,
                                 pm__irradiance *irradiance, pm_error *error);
 void pm__irradiance_destroy(pm__irradiance *irradiance); /* an empty one is allowed */
 
