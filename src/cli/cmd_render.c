@@ -227,6 +227,7 @@ static pm__render_row row_of(const pm__render_task *task, const pm__render_confi
                           .stored = result->stored,
                           .emitted = result->emitted,
                           .truth = result->truth,
+                          .misfit = result->misfit,
                           .mean_error = result->images[index].mean_error,
                           .rms_error = result->images[index].rms_error,
                           .trace_s = result->trace_s,

@@ -234,7 +234,10 @@ static const char *reason(const pm__render_task *task, const pm__render_row *row
         return "the method makes no estimates";
     if ((kind == PM__BIASES || kind == PM__NOISES) && task->config.trials < 2)
         return "it takes --trials 2 at least";
-    return kind == PM__NOISES ? "it takes two complete trials" : "no truth is known of what it shows";
+    if (kind == PM__NOISES)
+        return "it takes two complete trials";
+    return row->misfit ? "its reference is of 128x128 pixels: it takes a --size that is a multiple of that"
+                       : "no truth is known of what it shows";
 }
 
 /* One line for each reason, with all that are missing for it. */

@@ -25,6 +25,7 @@ typedef struct pm__render_row {
     size_t passes, trials, stored;
     uint64_t emitted;
     const char *truth;         /* "exact", "reference" or NULL */
+    bool misfit;               /* the reference is of another size */
     double mean_error, rms_error; /* over the mean truth; NAN where it is not known */
     double trace_s, build_s, image_s, total_s;
     const char *status;        /* "ok" or "interrupted" */

@@ -2,8 +2,8 @@
 
 #include "../base/vec3.h"
 
-/* Does a ray down the normal through `point` meet the surface, from the same side of what it is made of as in the middle
- * of the disc? side: of the middle; 0 takes and returns whichever it is. */
+/* Does a ray down the normal through `point` meet the surface, from the same side of what it is made of as in the
+ * middle of the disc? side: of the middle; 0 takes and returns whichever it is. */
 static int look_down(const pm__scene *scene, const double point[3], const double normal[3], double height, int side)
 {
     double from[3], down[3];

@@ -14,8 +14,8 @@ typedef struct pm__coverage {
     bool there[PM__DISC_POINTS];
 } pm__coverage;
 
-/* The disc of `radius`, m, about a point on a surface whose unit normal on the lit side is `normal`. phase: 0 to 1, turns
- * the points. Surfaces may bend away by a quarter of the radius. Cost: 33 rays at most, one where all is far. */
+/* The disc of `radius`, m, about a point on a surface whose unit normal on the lit side is `normal`. phase: 0 to 1,
+ * turns the points. Surfaces may bend away by a quarter of the radius. Cost: 33 rays at most, one where all is far. */
 void pm__coverage_find(const pm__scene *scene, const double position[3], const double normal[3], double radius,
                        double phase, pm__coverage *coverage);
 

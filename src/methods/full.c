@@ -27,8 +27,8 @@ static const pm__param params[] = {
     {"direct", PM__CHOICE, RAYS, 0, 0, "", "rays|photons",
      "photons: shadow rays only where lit and shadow photons meet"},
     {"edges", PM__CHOICE, COVERED, 0, 0, "", "covered|plain",
-     "of stored irradiance. covered: over the part of a lookup's disc that is surface; plain: over the whole disc, dark "
-     "at edges, as the papers have it"}};
+     "of stored irradiance. covered: over the part of a lookup's disc that is surface; plain: over the whole disc, "
+     "dark at edges, as the papers have it"}};
 
 /* Photons of one light, lit and in shadow. */
 typedef struct shadow_map {
@@ -358,7 +358,7 @@ static pm_status sample(const pm__render_job *job, const void *state, const pm__
     (void)truth;
     pm__maps_scratch scratch;
     gathering g = {.job = job, .state = state, .scratch = &scratch, .stride = pm__tile_pixels(tile)};
-    pm_status status = pm__maps_scratch_create(PM__POINTS_AT_ONCE, job->config->k, &scratch);
+    pm_status status = pm__maps_scratch_create(job, g.state->caustic.map, PM__POINTS_AT_ONCE, &scratch);
     if (status == PM_OK)
         status = sample_tile(&g, tile, samples);
     pm__maps_scratch_destroy(&scratch);

@@ -94,16 +94,15 @@ static pm_status compute(pm__irradiance *irradiance, const pm_query *query, pm_n
 
 static pm_status compute_block(pm__irradiance *irradiance, size_t first, size_t count, pm__maps_scratch *scratch)
 {
-    const size_t k = irradiance->job->config->k;
     const pm_map *const map = irradiance->maps->map;
     static const double nowhere[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
     const pm_query model = pm__maps_query(irradiance->job, nowhere, up);
     for (size_t i = 0; i < count; i++)
         scratch->queries[i] = pm__carrier_query(&irradiance->carriers, map, &model, first + i);
     pm_status status =
-        pm_map_search_batch(map, scratch->queries, count, scratch->neighbors, k, scratch->counts);
+        pm_map_search_batch(map, scratch->queries, count, scratch->neighbors, scratch->stride, scratch->counts);
     for (size_t i = 0; i < count && status == PM_OK; i++)
-        status = compute(irradiance, &scratch->queries[i], scratch->neighbors + i * k, scratch->counts[i],
+        status = compute(irradiance, &scratch->queries[i], scratch->neighbors + i * scratch->stride, scratch->counts[i],
                          first + i, scratch->workspace);
     return status;
 }
@@ -119,7 +118,7 @@ static void run_block(void *argument, size_t block)
         atomic_store(&w->failure, (int)PM_ECANCELED);
         return;
     }
-    pm_status status = pm__maps_scratch_create(BLOCK, config->k, &scratch);
+    pm_status status = pm__maps_scratch_create(irradiance->job, irradiance->maps->map, BLOCK, &scratch);
     if (status == PM_OK)
         status = compute_block(irradiance, first, rest < BLOCK ? rest : BLOCK, &scratch);
     pm__maps_scratch_destroy(&scratch);

@@ -2,6 +2,7 @@
 
 #include "../base/clock.h"
 #include "../base/memory.h"
+#include "../base/parallel.h"
 #include "../transport/deal.h"
 
 #include <math.h>
@@ -127,15 +128,38 @@ static pm_status make_combined(pm__render_job *job, const pm__maps_wish *wish, c
     return pm__deal(&dealing, set->photons, set->count, &options, own->dealt, error);
 }
 
+/* A parallel-for that does no more once it is canceled: what it was to fill is then not to be used. */
+typedef struct stoppable {
+    const pm__render_config *config;
+    void (*task)(void *argument, size_t index);
+    void *argument;
+} stoppable;
+
+static void unless_canceled(void *context, size_t index)
+{
+    const stoppable *const work = context;
+    if (!work->config->canceled || !work->config->canceled(work->config->context))
+        work->task(work->argument, index);
+}
+
+static void run_stoppable(void *context, size_t count, void (*task)(void *argument, size_t index), void *argument)
+{
+    stoppable work = {context, task, argument};
+    pm__for(work.config->parallel, count, unless_canceled, &work);
+}
+
 static pm_status make_precomputed(pm__render_job *job, const pm_map *map, const float (*normals)[3],
                                   const pm_estimator *estimator, pm__own_maps *own, pm_error *error)
 {
     static const double nowhere[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
+    const pm__render_config *const config = job->config;
+    const pm_parallel parallel = {run_stoppable, (void *)(uintptr_t)config};
     const pm_precomputed_options options = {.lookup = pm__maps_query(job, nowhere, up),
                                             .normals = normals,
-                                            .parallel = job->config->parallel,
+                                            .parallel = &parallel,
                                             .dimensions = 2};
-    return pm_precomputed_create(estimator, map, &options, &own->precomputed, error);
+    const pm_status status = pm_precomputed_create(estimator, map, &options, &own->precomputed, error);
+    return status == PM_OK && config->canceled && config->canceled(config->context) ? PM_ECANCELED : status;
 }
 
 static pm_status make_own(pm__render_job *job, const pm__maps_wish *wish, const pm__photon_set *set, pm__maps *maps,
@@ -192,9 +216,12 @@ void pm__maps_destroy(pm__maps *maps)
 
 /* ---- Estimating -------------------------------------------------------------------------------- */
 
-pm_status pm__maps_scratch_create(size_t points, size_t neighbors, pm__maps_scratch *scratch)
+pm_status pm__maps_scratch_create(const pm__render_job *job, const pm_map *map, size_t points,
+                                  pm__maps_scratch *scratch)
 {
+    const size_t all = map ? pm_map_count(map) : 0, neighbors = job->config->k < all ? job->config->k : all;
     *scratch = (pm__maps_scratch){.points = points,
+                                  .stride = neighbors,
                                   .queries = pm__alloc(points, sizeof *scratch->queries),
                                   .neighbors = pm__alloc(points * neighbors, sizeof *scratch->neighbors),
                                   .counts = pm__alloc(points, sizeof *scratch->counts),
@@ -372,10 +399,12 @@ static pm_status estimate_some(const pm__maps *maps, const pm__eye *eyes, size_t
     pm_status status = PM_OK;
     memset(scratch->counts, 0, points * sizeof *scratch->counts);
     if (points && k && maps->shared)
-        status = pm_map_search_batch(maps->map, scratch->queries, points, scratch->neighbors, k, scratch->counts);
+        status = pm_map_search_batch(maps->map, scratch->queries, points, scratch->neighbors, scratch->stride,
+                                     scratch->counts);
     for (size_t p = 0; p < points && status == PM_OK; p++)
-        status = estimate_at(maps, &eyes[scratch->which[p]], &scratch->queries[p], scratch->neighbors + p * k,
-                             scratch->counts[p], scratch->workspace, &samples[scratch->which[p]], stride);
+        status = estimate_at(maps, &eyes[scratch->which[p]], &scratch->queries[p],
+                             scratch->neighbors + p * scratch->stride, scratch->counts[p], scratch->workspace,
+                             &samples[scratch->which[p]], stride);
     return status;
 }
 

@@ -41,15 +41,16 @@ void pm__maps_destroy(pm__maps *maps); /* an empty one is allowed */
 /* Points that are looked up at once: few enough that what is found for them is still near when it is read. */
 enum { PM__POINTS_AT_ONCE = 32 };
 
-/* Working memory for one thread: so many points at once, so many neighbours each. */
+/* Working memory for one thread: for so many points at once, looked up in `map` (NULL: in none). ENOMEM. */
 typedef struct pm__maps_scratch {
-    size_t points;
+    size_t points, stride; /* stride: neighbours of a point */
     pm_workspace *workspace;
     pm_query *queries;
     pm_neighbor *neighbors;
     size_t *counts, *which;
 } pm__maps_scratch;
-pm_status pm__maps_scratch_create(size_t points, size_t neighbors, pm__maps_scratch *scratch);
+pm_status pm__maps_scratch_create(const pm__render_job *job, const pm_map *map, size_t points,
+                                  pm__maps_scratch *scratch);
 void pm__maps_scratch_destroy(pm__maps_scratch *scratch);
 
 /* The query at a point on a surface, as the command line asks for it. */

@@ -27,6 +27,7 @@ typedef struct pm__render_job {
     pm__camera camera;
     pm__needs needs;
     size_t images; /* estimators, or 1 */
+    bool misfit;   /* there is a reference, and images of this size cannot be compared with it */
     bool truth;    /* the exact truth of each sample is wanted */
     pm__reference reference; /* that judges the image; empty: there is none, or the exact truth does */
     uint64_t emitted;

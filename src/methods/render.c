@@ -103,7 +103,10 @@ static pm_status find_reference(pm__render_job *job, pm_error *error)
     const pm_status status = pm__reference_load(name, &job->reference, error);
     if (status != PM_OK)
         return status;
-    return pm__reference_fits(&job->reference.radiance, job->config->width, job->config->height, error);
+    job->misfit = pm__reference_fits(&job->reference.radiance, job->config->width, job->config->height, NULL) != PM_OK;
+    if (job->misfit)
+        pm__reference_free(&job->reference);
+    return PM_OK;
 }
 
 void pm__job_close(pm__render_job *job)
@@ -322,6 +325,7 @@ static pm_status run_trials(pm__render_job *job, pm__film *film, pm__render_resu
 static pm_status develop(const pm__render_job *job, const pm__film *film, pm__render_result *result, pm_error *error)
 {
     const pm__image *const reference = job->reference.radiance.values ? &job->reference.radiance : NULL;
+    result->misfit = job->misfit;
     result->truth = film->truth ? "exact" : reference ? "reference" : NULL;
     return pm__film_develop(film, reference, job->config->aov, result, error);
 }

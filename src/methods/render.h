@@ -51,6 +51,7 @@ typedef struct pm__render_result {
     pm__render_images *images; /* [count], by estimator */
     size_t count;
     const char *truth;      /* "exact", "reference" or NULL */
+    bool misfit;            /* there is a reference, but of a size that does not divide the image's */
     size_t passes;          /* done, of the first trial */
     size_t trials;          /* done */
     bool interrupted;       /* not all that was asked for is in the images */

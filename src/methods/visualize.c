@@ -12,6 +12,8 @@
 enum { MAP };
 enum { AUTO, ALL, CAUSTIC, DIRECT, INDIRECT, EXACT };
 
+static const double MOST_SENT = 1000.0; /* for each photon of paths that the scene may not have */
+
 static const pm__param params[] = {
     {"map", PM__CHOICE, AUTO, 0, 0, "", "auto|all|caustic|direct|indirect|exact",
      "the light paths in it: L.*D, LS+D, LD, L.*D.*D, or those of the scene's exact answer; auto: exact where there is "
@@ -70,6 +72,7 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **state, pm_e
                                 .photons = job->config->photons,
                                 .specular = job->needs.projection,
                                 .estimates = true,
+                                .most = has_exact(job) || shows_all(job) ? 0.0 : MOST_SENT,
                                 .trial = trial};
     const pm_status status = pm__maps_create(job, &wish, maps, error);
     if (status != PM_OK) {
@@ -127,7 +130,7 @@ static pm_status sample(const pm__render_job *job, const void *state, const pm__
     if (!maps)
         return PM_OK;
     pm__maps_scratch scratch;
-    pm_status status = pm__maps_scratch_create(PM__POINTS_AT_ONCE, job->config->k, &scratch);
+    pm_status status = pm__maps_scratch_create(job, maps->map, PM__POINTS_AT_ONCE, &scratch);
     if (status == PM_OK)
         status = pm__maps_estimate(maps, eyes, reached, count, &scratch, samples, count);
     pm__maps_scratch_destroy(&scratch);

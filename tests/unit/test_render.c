@@ -211,7 +211,7 @@ static pm__image gray(size_t width, size_t height)
     return image;
 }
 
-/* A reference that does not fit is found before anything is traced; one that is not asked for does not matter. */
+/* A reference that does not fit is no truth, and the result says so; nor is one of another view. */
 START_TEST(references_must_fit)
 {
     static const size_t sizes[][2] = {{48, 40}, {24, 10}, {5, 20}, {12, 20}, {7, 5}};
@@ -220,12 +220,18 @@ START_TEST(references_must_fit)
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         stored = gray(sizes[i][0], sizes[i][1]);
         p->config.aov = true;
-        picture_refused(p, "the reference has");
+        (void)picture_plan(p);
+        pm__render_result result;
+        pm_error error = {""};
+        p->config.spp = 1;
+        PM_CHECK_OK(pm__render(&p->config, &result, &error), error);
+        ck_assert(result.misfit && !result.truth && !result.images[0].truth.values);
+        pm__render_free(&result);
         p->config.view = &other; /* it is not of this view */
-        (void)picture_plan(p);
+        PM_CHECK_OK(pm__render(&p->config, &result, &error), error);
+        ck_assert(!result.misfit && !result.truth);
+        pm__render_free(&result);
         p->config.view = NULL;
-        p->config.aov = false;
-        (void)picture_plan(p);
         pm__image_free(&stored);
     }
     p->config.aov = true;
