@@ -1,16 +1,17 @@
 /* The method full against the path tracer, by blocks of pixels, by rows of blocks and as
  * a whole: light by paths that have little in common but their
  * ends. Renders of different seeds are the replicates; a block passes within the joint interval of both methods' means,
- * for a false alarm in 1e-6 over all comparisons, and what the estimates may lack. An estimate with the radius R within
- * R of a wall's edge looks beyond it: of fixed R that is 8 R / (3 pi) of the light of a square of 1 m on average. It is
- * so of no more than the indirect light, and less where the next wall's photons make up for it. */
+ * for a false alarm in 1e-6 over all comparisons, and what the estimates may blur. */
 #include "../../src/cli/parallel.h"
 #include "../../src/stats/stats.h"
 #include "../picture.h"
 
 enum { SIDE = 32, BLOCK = 8, ACROSS = SIDE / BLOCK, BLOCKS = ACROSS * ACROSS };
 enum { PARTS = BLOCKS + ACROSS + 1, VALUES = 3 * PARTS };
+enum { WIDE_K = 100, WIDE_PHOTONS = 2000 }; /* edges are a large part of what is seen */
 enum { K = 20, PHOTONS = 10000, COMPARISONS = 6, FEW = 14 };
+
+static const double blurred = 0.01;
 
 /* Of blocks, rows of them, and all, by band: over repeats. */
 typedef struct blocks {
@@ -73,13 +74,6 @@ static void compare(const char *scene, const char *what, const blocks *a, const 
     }
 }
 
-/* Of photons over the 6 m2 of a box of 1 m. */
-static double lacking(void)
-{
-    const double pi = 3.14159265358979323846, radius = sqrt(K / (pi * PHOTONS / 6.0));
-    return 8.0 * radius / (3.0 * pi);
-}
-
 START_TEST(full_is_as_path)
 {
     static const char *const scenes[] = {"scene:cornell", "scene:cornell-diffuse", "scene:cornell-water"};
@@ -87,12 +81,56 @@ START_TEST(full_is_as_path)
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++) {
         render_blocks(scenes[s], "path", 80, 4, 100, false, &path);
         render_blocks(scenes[s], "full:gather=2", FEW, 4, 200, false, &full);
-        compare(scenes[s], "shadow rays", &full, &path, lacking());
+        compare(scenes[s], "shadow rays", &full, &path, blurred);
         if (s == 1) {
             render_blocks(scenes[s], "full:gather=2,direct=photons", FEW, 4, 300, false, &full);
-            compare(scenes[s], "shadow photons", &full, &path, lacking());
+            compare(scenes[s], "shadow photons", &full, &path, blurred);
         }
     }
+}
+END_TEST
+
+/* What plain edges lack of an image, averaged over it; the maps are the same, so nearly all noise is common. */
+static void render_pairs(double lacking[FEW])
+{
+    picture *const covered = picture_create("scene:cornell-diffuse", "full:gather=2", "disc:last=none");
+    picture *const plain = picture_create("scene:cornell-diffuse", "full:gather=2,edges=plain", "disc:last=none");
+    picture *const both[] = {covered, plain};
+    for (size_t i = 0; i < FEW; i++) {
+        double mean[2];
+        for (size_t j = 0; j < 2; j++) {
+            both[j]->config.width = both[j]->config.height = SIDE;
+            both[j]->config.spp = 4;
+            both[j]->config.k = WIDE_K;
+            both[j]->config.photons = WIDE_PHOTONS;
+            both[j]->config.seed = 800 + i;
+            pm__render_result image = picture_render(both[j]);
+            mean[j] = picture_mean(&image.images[0].radiance, 1);
+            pm__render_free(&image);
+        }
+        lacking[i] = 1.0 - mean[1] / mean[0];
+    }
+    picture_free(covered);
+    picture_free(plain);
+}
+
+/* An estimate with the radius R whose middle is x from a straight edge looks beyond it with the share
+ * (acos q - q sqrt(1 - q^2)) / pi of its disc, q = x / R. That is 2 R / (3 pi) when integrated over x, so a square of
+ * 1 m with its four edges lacks 8 R / (3 pi) of its light. An image lacks something, and no more than that: what is
+ * seen directly lacks nothing, and at the edges of a box the next wall's photons make up for some of it. */
+START_TEST(plain_edges_are_dark)
+{
+    const double pi = 3.14159265358979323846, radius = sqrt(WIDE_K / (pi * WIDE_PHOTONS / 6.0)); /* of 6 m2 */
+    double lacking[FEW], sum = 0.0, square = 0.0;
+    render_pairs(lacking);
+    for (size_t i = 0; i < FEW; i++) {
+        sum += lacking[i];
+        square += lacking[i] * lacking[i];
+    }
+    const double mean = sum / FEW, error = sqrt((square / FEW - mean * mean) / (FEW - 1));
+    const double bound = pm__student_quantile(1.0 - 0.5e-6, FEW - 1.0) * error;
+    ck_assert_msg(mean > bound && mean < 8.0 * radius / (3.0 * pi) + bound, "%.3f %% +- %.3f %% is lacking, at most "
+                  "%.3f %% may be", 100.0 * mean, 100.0 * bound, 800.0 * radius / (3.0 * pi));
 }
 END_TEST
 
@@ -145,4 +183,4 @@ START_TEST(gathered_light_is_unbiased)
 }
 END_TEST
 
-PM_TEST_MAIN("full", full_is_as_path, rays_and_plans_keep_the_mean, gathered_light_is_unbiased)
+PM_TEST_MAIN("full", full_is_as_path, plain_edges_are_dark, rays_and_plans_keep_the_mean, gathered_light_is_unbiased)
