@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 512, ROUND = 256 }; /* paths in a block, blocks in a round at most */
+enum { BLOCK = 512, ROUND = 64 }; /* paths in a block, blocks in a round at most */
 
 /* Paths for each photon that is stored, and for the first ten, before it is given up. */
 enum { PATIENCE = 100000 };

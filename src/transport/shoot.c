@@ -18,10 +18,12 @@
  * A sampler's set must be whole, so its size may not depend on what it stores: a trial run settles it. */
 #include "shoot.h"
 
+#include "../base/parallel.h"
 #include "emission.h"
 #include "harvest.h"
 
 #include <float.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,29 +75,65 @@ static size_t path_length(const pm__harvest *h, size_t i)
     return end - i;
 }
 
-/* How many paths store more than `over` photons. */
-static size_t count_longer(const pm__harvest *h, size_t over)
+/* What the photons of long paths stand for, and those of others; by photons, a block at a time. */
+typedef struct scaling {
+    pm__harvest *h;
+    size_t over;
+    double share, last;
+    _Atomic size_t longer;    /* paths that store more than `over` photons */
+    _Atomic size_t too_large; /* 1 + the number of a photon that no float holds; 0: none */
+} scaling;
+
+enum { SCALED_AT_ONCE = 8192 };
+
+/* The first photon from i on that begins a path. */
+static size_t path_from(const pm__harvest *h, size_t i)
 {
-    size_t longer = 0;
-    for (size_t i = 0, length; i < h->count; i += length) {
-        length = path_length(h, i);
-        longer += length > over;
-    }
-    return longer;
+    while (i < h->count && !(h->marks[i] & PM__FIRST_OF_PATH))
+        i++;
+    return i;
 }
 
-static pm_status scale_stored(pm__harvest *h, size_t wanted, double sent, pm_error *error)
+/* Blocks have the paths that begin within them. */
+static void count_block(void *argument, size_t block)
 {
-    const size_t over = h->count - wanted, longer = count_longer(h, over);
-    const double each = (double)h->count / (double)wanted;
-    const double share = h->emitted > 1 ? each / (double)(h->emitted - 1) : each;
-    const double last = h->emitted > 1 ? 1.0 - 1.0 / (double)longer : 1.0;
-    pm_status status = check_smallness(sent, share, error);
-    for (size_t i = 0, length; i < h->count && status == PM_OK; i += length) {
-        length = path_length(h, i);
-        status = scale(h, i, i + length, length > over ? share * last : share, error);
+    scaling *const s = argument;
+    const size_t end = (block + 1) * SCALED_AT_ONCE;
+    size_t longer = 0;
+    for (size_t i = path_from(s->h, end - SCALED_AT_ONCE), length; i < end && i < s->h->count; i += length) {
+        length = path_length(s->h, i);
+        longer += length > s->over;
     }
-    return status;
+    s->longer += longer;
+}
+
+static void scale_block(void *argument, size_t block)
+{
+    scaling *const s = argument;
+    const size_t end = (block + 1) * SCALED_AT_ONCE;
+    for (size_t i = path_from(s->h, end - SCALED_AT_ONCE), length; i < end && i < s->h->count; i += length) {
+        length = path_length(s->h, i);
+        if (scale(s->h, i, i + length, length > s->over ? s->share * s->last : s->share, NULL) != PM_OK)
+            s->too_large = i + 1;
+    }
+}
+
+static pm_status scale_stored(const pm__shoot_config *config, pm__harvest *h, double sent, pm_error *error)
+{
+    const size_t blocks = (h->count + SCALED_AT_ONCE - 1) / SCALED_AT_ONCE;
+    const double each = (double)h->count / (double)config->count;
+    scaling s = {.h = h, .over = h->count - config->count,
+                 .share = h->emitted > 1 ? each / (double)(h->emitted - 1) : each};
+    const pm_status status = check_smallness(sent, s.share, error);
+    if (status != PM_OK)
+        return status;
+    pm__for(config->parallel, blocks, count_block, &s);
+    s.last = h->emitted > 1 ? 1.0 - 1.0 / (double)s.longer : 1.0;
+    pm__for(config->parallel, blocks, scale_block, &s);
+    if (s.too_large)
+        return pm__fail(error, PM_EINVAL, "a photon of the path of stored photon %zu has more W than a float holds",
+                        (size_t)s.too_large);
+    return PM_OK;
 }
 
 /* `over` different numbers below count, ascending (Floyd's algorithm); over is below PM__LONGEST_PATH. */
@@ -149,7 +187,7 @@ static pm_status shoot_stored(const pm__shoot_config *config, const pm__emission
         return config->most ? scale(h, 0, h->count, 1.0 / (double)h->emitted, error)
                             : too_few(h, config->count, error);
     if (status == PM_OK)
-        status = scale_stored(h, config->count, emission->total, error);
+        status = scale_stored(config, h, emission->total, error);
     if (status == PM_OK)
         drop(config, h, config->count);
     return status;
