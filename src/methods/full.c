@@ -59,11 +59,11 @@ static size_t lights_that_reach(const pm__render_job *job, pm__needs *needs)
     double sum = 0.0, reaching = 0.0;
     size_t found = 0;
     needs->reach = 1.0;
-    if (pm__projection_create(job->scene, true, &needs->specular, NULL) != PM_OK)
+    if (pm__projection_create(job->scene, true, &needs->aim, NULL) != PM_OK)
         return count; /* as if all did: what fails here fails again where it is told */
     for (size_t i = 0; i < count; i++) {
         const double *const power = pm__scene_light_at(job->scene, i)->power, all = power[0] + power[1] + power[2];
-        const double part = pm__projection_share(needs->specular, i);
+        const double part = pm__projection_share(needs->aim, i);
         found += part > 0.0;
         sum += all;
         reaching += part * all;
@@ -186,7 +186,7 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **made, pm_er
     /* As many photons, whether they are sent there or everywhere, so that the image is the same. */
     const double reach = job->needs.reach;
     const double most = !(reach > 0.0) || job->needs.projection ? MOST_SENT : MOST_SENT / reach;
-    const pm__maps_wish caustic = {.paths = "LS+D", .photons = job->config->photons, .specular = job->needs.projection,
+    const pm__maps_wish caustic = {.paths = "LS+D", .photons = job->config->photons, .aimed = job->needs.projection,
                                    .emitted = !(reach > 0.0), .most = most, .estimates = true, .trial = trial,
                                    .stream = 1};
     pm_status status = PM_OK;

@@ -56,8 +56,8 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
 {
     const pm__render_config *const config = job->config;
     pm__paths *paths = NULL;
-    pm__projection *projection = wish->specular ? job->needs.specular : NULL;
-    const bool made = wish->specular && !projection;
+    pm__projection *projection = wish->aimed ? job->needs.aim : NULL;
+    const bool made = wish->aimed && !projection;
     const double start = pm__seconds();
     pm_status status = pm__paths_create(wish->paths, &paths, error);
     if (status == PM_OK && made)
@@ -65,7 +65,7 @@ static pm_status shoot(pm__render_job *job, const pm__maps_wish *wish, size_t co
     if (status != PM_OK || (projection && !reaches_any(job->scene, projection))) {
         pm__paths_destroy(paths);
         pm__projection_destroy(made ? projection : NULL);
-        return status; /* nothing is specular: there are no such photons */
+        return status; /* nothing is there to be met: there are no such photons */
     }
     const double most = fmin(ceil(wish->most * (double)count), (double)PM__MOST_TRACED);
     const pm__shoot_config shooting = {.scene = job->scene,

@@ -25,7 +25,7 @@ typedef struct pm__maps_wish {
     const char *paths;
     size_t photons;
     bool emitted;   /* so many are emitted, however few are stored; else stored */
-    bool specular;  /* photons are sent where specular surfaces are */
+    bool aimed;     /* photons are sent where the job's `aim` is, or specular surfaces are */
     double most;    /* emitted for each that is to be stored, at most: perhaps there is none; 0: no limit */
     bool normals;
     bool estimates; /* each estimator gets what it needs beside the map */
@@ -34,7 +34,7 @@ typedef struct pm__maps_wish {
 } pm__maps_wish;
 
 /* Traces and builds; adds to job's counts and times. EINVAL: next to no such photon is stored; ENOMEM; ECANCELED. Where
- * nothing is specular no photon is, and `specular` gives an empty map. On error all is released. */
+ * nothing is to be aimed at, `aimed` gives an empty map. On error all is released. */
 pm_status pm__maps_create(pm__render_job *job, const pm__maps_wish *wish, pm__maps *maps, pm_error *error);
 void pm__maps_destroy(pm__maps *maps); /* an empty one is allowed */
 

@@ -10,9 +10,9 @@
 /* What the plan says is to be done. */
 typedef struct pm__needs {
     bool caustic;    /* full: a caustic map, and its estimates */
-    pm__projection *specular; /* full: where specular surfaces are; the job's. NULL: not made */
+    pm__projection *aim; /* where photons that are aimed are sent; the job's. NULL: where specular surfaces are */
     double reach;    /* full: the share of all lights' power that is sent there */
-    bool projection; /* photons of the caustic map are sent where specular surfaces are */
+    bool projection; /* photons are aimed: full, those of the caustic map; visualize, all */
     bool global;     /* full: indirect light */
     bool front;      /* lookups must refuse photons from behind */
     bool directions; /* maps must keep the photons' directions */

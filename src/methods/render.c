@@ -112,9 +112,9 @@ static pm_status find_reference(pm__render_job *job, pm_error *error)
 void pm__job_close(pm__render_job *job)
 {
     pm__reference_free(&job->reference);
-    pm__projection_destroy(job->needs.specular);
+    pm__projection_destroy(job->needs.aim);
     pm__scene_destroy(job->scene);
-    job->needs.specular = NULL;
+    job->needs.aim = NULL;
     job->scene = NULL;
 }
 

@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAP };
+enum { MAP, AIM };
+enum { EVERYWHERE, OBJECTS };
 enum { AUTO, ALL, CAUSTIC, DIRECT, INDIRECT, EXACT };
 
 static const double MOST_SENT = 1000.0; /* for each photon of paths that the scene may not have */
@@ -17,7 +18,10 @@ static const double MOST_SENT = 1000.0; /* for each photon of paths that the sce
 static const pm__param params[] = {
     {"map", PM__CHOICE, AUTO, 0, 0, "", "auto|all|caustic|direct|indirect|exact",
      "the light paths in it: L.*D, LS+D, LD, L.*D.*D, or those of the scene's exact answer; auto: exact where there is "
-     "one, else all"}};
+     "one, else all"},
+    {"aim", PM__CHOICE, EVERYWHERE, 0, 0, "", "everywhere|objects",
+     "objects: photons are sent only where something is; where all paths begin at a mirror or glass they are sent to "
+     "those anyway"}};
 
 static const char *paths_of(const pm__render_job *job)
 {
@@ -46,17 +50,39 @@ static pm_status check(const pm__render_job *job, pm_error *error)
     return PM_OK;
 }
 
+/* Do all the paths that are shown begin at a mirror or glass? */
+static bool begin_specular(const pm__render_job *job)
+{
+    pm__paths *paths;
+    if (pm__paths_create(paths_of(job), &paths, NULL) != PM_OK)
+        return false; /* told where they are traced */
+    const bool all = !pm__paths_match(paths, "LD") && pm__paths_end(paths, "LD");
+    pm__paths_destroy(paths);
+    return all;
+}
+
+static void plan_projection(const pm__render_job *job, bool specular, pm__plan *plan, pm__needs *needs)
+{
+    const bool begin = begin_specular(job), objects = job->config->method->values[AIM] == OBJECTS;
+    const bool wanted = begin ? specular : objects;
+    needs->projection = wanted && !job->config->no_skip;
+    if (needs->projection && !begin)
+        (void)pm__projection_create(job->scene, false, &needs->aim, NULL); /* what fails here fails again when traced */
+    pm__plan_step(plan, needs->projection, "projection map",
+                  wanted && !needs->projection ? "--no-skip: photons are sent everywhere"
+                  : begin && specular          ? "photons are sent where specular surfaces are"
+                  : begin                      ? "no specular surface"
+                  : objects                    ? "photons are sent where something is"
+                                               : "photons are wanted from everywhere");
+}
+
 static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
 {
     const size_t specular = pm__count_objects(job->scene, pm__is_specular);
-    const bool caustic = strcmp(paths_of(job), "LS+D") == 0;
     pm__plan_step(plan, true, "photon map", "the image shows it: %s", paths_of(job));
     pm__plan_step(plan, false, "caustic pass",
                   specular ? "one map holds all the paths that are shown" : "no specular surface");
-    needs->projection = caustic && specular && !job->config->no_skip;
-    pm__plan_step(plan, needs->projection, "projection map",
-                  caustic ? specular ? "photons are sent where specular surfaces are" : "no specular surface"
-                          : "photons are wanted from everywhere");
+    plan_projection(job, specular > 0, plan, needs);
     pm__plan_step(plan, false, "shadow rays", "direct light is in the map, or not shown");
     pm__plan_step(plan, false, "final gathering", "not part of visualize");
     pm__plan_front(job, plan, needs);
@@ -70,7 +96,7 @@ static pm_status prepare(pm__render_job *job, uint32_t trial, void **state, pm_e
         return pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
     const pm__maps_wish wish = {.paths = paths_of(job),
                                 .photons = job->config->photons,
-                                .specular = job->needs.projection,
+                                .aimed = job->needs.projection,
                                 .estimates = true,
                                 .most = has_exact(job) || shows_all(job) ? 0.0 : MOST_SENT,
                                 .trial = trial};
@@ -142,7 +168,7 @@ const pm__method pm__method_visualize = {
               .summary = "the radiance estimate of a photon map where the eye first meets a rough surface",
               .citation = "Jensen 1996; course 43, 2.3",
               .params = params,
-              .param_count = 1},
+              .param_count = 2},
     .estimates = true,
     .check = check,
     .has_exact = has_exact,

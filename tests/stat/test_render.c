@@ -87,6 +87,31 @@ START_TEST(irradiance_under_a_square)
 }
 END_TEST
 
+/* Photons sent to the floor alone: of a lamp that shines all around less than half of them are left, and the light is
+ * the same. */
+START_TEST(photons_that_are_aimed)
+{
+    const pm__view view = {.eye = {0, -0.8, 0.9}, .at = {0, 0, 0}, .up = {0, 0, 1}, .angle = 0.5};
+    picture *const p = picture_small("scene:point-light", "visualize:aim=objects", "disc:last=none", &view);
+    picture *const all = picture_small("scene:point-light", "visualize", "disc:last=none", &view);
+    double errors[REPEATS];
+    p->config.photons = all->config.photons = 20000;
+    p->config.k = all->config.k = 20;
+    p->config.spp = all->config.spp = 1;
+    for (uint64_t seed = 0; seed < REPEATS; seed++) {
+        p->config.seed = all->config.seed = 500 + seed;
+        pm__render_result aimed = picture_render(p), plain = picture_render(all);
+        errors[seed] = aimed.images[0].mean_error;
+        ck_assert_uint_lt(aimed.emitted, plain.emitted / 2);
+        pm__render_free(&aimed);
+        pm__render_free(&plain);
+    }
+    check_mean("aim=objects", errors, 0.0, 1e-3);
+    picture_free(p);
+    picture_free(all);
+}
+END_TEST
+
 /* Radiance of a glossy plane: every photon comes from one direction, so that the BRDF is common to all. */
 START_TEST(radiance_of_a_glossy_plane)
 {
@@ -237,5 +262,5 @@ START_TEST(the_integrating_sphere)
 }
 END_TEST
 
-PM_TEST_MAIN("render", irradiance_under_a_square, radiance_of_a_glossy_plane, a_floor_through_water, noise_over_trials,
+PM_TEST_MAIN("render", irradiance_under_a_square, photons_that_are_aimed, radiance_of_a_glossy_plane, a_floor_through_water, noise_over_trials,
              the_furnace, direct_light_of_a_square, the_integrating_sphere)
