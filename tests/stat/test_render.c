@@ -262,5 +262,5 @@ START_TEST(the_integrating_sphere)
 }
 END_TEST
 
-PM_TEST_MAIN("render", irradiance_under_a_square, photons_that_are_aimed, radiance_of_a_glossy_plane, a_floor_through_water, noise_over_trials,
-             the_furnace, direct_light_of_a_square, the_integrating_sphere)
+PM_TEST_MAIN("render", irradiance_under_a_square, photons_that_are_aimed, radiance_of_a_glossy_plane,
+             a_floor_through_water, noise_over_trials, the_furnace, direct_light_of_a_square, the_integrating_sphere)
