@@ -20,8 +20,8 @@ static const pm__param params[] = {
      "the light paths in it: L.*D, LS+D, LD, L.*D.*D, or those of the scene's exact answer; auto: exact where there is "
      "one, else all"},
     {"aim", PM__CHOICE, EVERYWHERE, 0, 0, "", "everywhere|objects",
-     "objects: photons are sent only where something is; where all paths begin at a mirror or glass they are sent to "
-     "those anyway"}};
+     "objects: photons are sent only where something is, of a mirror or glass where all paths begin at one; those of "
+     "map=caustic always are"}};
 
 static const char *paths_of(const pm__render_job *job)
 {
@@ -64,14 +64,15 @@ static bool begin_specular(const pm__render_job *job)
 static void plan_projection(const pm__render_job *job, bool specular, pm__plan *plan, pm__needs *needs)
 {
     const bool begin = begin_specular(job), objects = job->config->method->values[AIM] == OBJECTS;
-    const bool wanted = begin ? specular : objects;
+    const bool caustic = strcmp(paths_of(job), "LS+D") == 0; /* the exact scenes' lamps are aimed already */
+    const bool wanted = begin ? specular && (caustic || objects) : objects;
     needs->projection = wanted && !job->config->no_skip;
     if (needs->projection && !begin)
         (void)pm__projection_create(job->scene, false, &needs->aim, NULL); /* what fails here fails again when traced */
     pm__plan_step(plan, needs->projection, "projection map",
                   wanted && !needs->projection ? "--no-skip: photons are sent everywhere"
-                  : begin && specular          ? "photons are sent where specular surfaces are"
-                  : begin                      ? "no specular surface"
+                  : wanted && begin            ? "photons are sent where specular surfaces are"
+                  : begin && !specular         ? "no specular surface"
                   : objects                    ? "photons are sent where something is"
                                                : "photons are wanted from everywhere");
 }
