@@ -64,22 +64,9 @@ static double mass(const double *values, const pm__probe *point, const pm__shape
 
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)
 {
-    const double rho = values[0], centre[3] = {0, 0, 0}, watts = 4.0 * pi * pi * radiance;
-    const pm__material wall = {.kind = PM__DIFFUSE, .diffuse = {rho, rho, rho}};
+    const double watts = 4.0 * pi * pi * radiance;
     const pm__light light = {.kind = PM__BALL, .power = {watts, watts, watts}, .radius = within_wall, .inward = true};
-    uint32_t material = 0;
-    pm_status status = pm__scene_material(scene, &wall, &material, error);
-    if (!status)
-        status = pm__scene_sphere(scene, material, centre, 1.0, true, error);
-    if (!status)
-        status = pm__scene_light(scene, &light, error);
-    return status;
-}
-
-static void view(const double *values, pm__view *from)
-{
-    (void)values;
-    *from = (pm__view){.eye = {-0.5, 0, 0}, .at = {1, 0, 0}, .up = {0, 0, 1}, .angle = 1.4};
+    return pm__scene_ball_room(scene, values[0], &light, error);
 }
 
 const pm__case pm__case_scene_furnace = {
@@ -99,5 +86,5 @@ const pm__case pm__case_scene_furnace = {
     .truth = truth,
     .mass = mass,
     .build = build,
-    .view = view,
+    .view = pm__ball_room_view,
 };

@@ -301,6 +301,23 @@ pm_status pm__scene_floor(pm__scene *scene, double x0, double half, double z, pm
     return status ? status : pm__scene_rectangle(scene, material, corner, u, v, error);
 }
 
+pm_status pm__scene_ball_room(pm__scene *scene, double albedo, const pm__light *light, pm_error *error)
+{
+    const double centre[3] = {0, 0, 0};
+    const pm__material wall = {.kind = PM__DIFFUSE, .diffuse = {albedo, albedo, albedo}};
+    uint32_t material = 0;
+    pm_status status = pm__scene_material(scene, &wall, &material, error);
+    if (!status)
+        status = pm__scene_sphere(scene, material, centre, 1.0, true, error);
+    return status ? status : pm__scene_light(scene, light, error);
+}
+
+void pm__ball_room_view(const double *values, pm__view *view)
+{
+    (void)values;
+    *view = (pm__view){.eye = {-0.5, 0, 0}, .at = {1, 0, 0}, .up = {0, 0, 1}, .angle = 1.4};
+}
+
 pm_status pm__scene_lamp(pm__scene *scene, pm__light_kind kind, double z, double watts, double radius, double angle,
                          pm_error *error)
 {

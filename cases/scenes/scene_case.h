@@ -90,6 +90,9 @@ void pm__probe_sphere(const double *u, pm__probe *point);
 
 /* Adds a horizontal white Lambertian rectangle, |x - x0| <= half, |y| <= half, at height z. ENOMEM. */
 pm_status pm__scene_floor(pm__scene *scene, double x0, double half, double z, pm_error *error);
+/* The inside of a Lambertian sphere of radius 1 about the origin, with its light; and how it is looked at. */
+pm_status pm__scene_ball_room(pm__scene *scene, double albedo, const pm__light *light, pm_error *error);
+void pm__ball_room_view(const double *values, pm__view *view);
 /* A light of the kind that points straight down. */
 pm_status pm__scene_lamp(pm__scene *scene, pm__light_kind kind, double z, double watts, double radius, double angle,
                          pm_error *error);

@@ -8,6 +8,8 @@
 
 #include "../search/search.h"
 
+#include "../base/clock.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,7 +121,7 @@ static pm_status measure(const pm__settings *s, pm__accuracy_config *config, pm_
     pm__accuracy_row *rows = NULL;
     size_t count = 0;
     pm__progress progress;
-    const double start = pm__now();
+    const double start = pm__seconds();
     pm__progress_start(&progress, s->quiet);
     config->progress = show_progress;
     config->canceled = is_canceled;
@@ -134,7 +136,7 @@ static pm_status measure(const pm__settings *s, pm__accuracy_config *config, pm_
     if (pm__sinks_screen(sinks))
         print_screen(pm__sinks_screen(sinks), config, rows, count);
     const pm_status written =
-        pm__accuracy_write(s, config, rows, count, pm__now() - start, status == PM_ECANCELED, sinks, error);
+        pm__accuracy_write(s, config, rows, count, pm__seconds() - start, status == PM_ECANCELED, sinks, error);
     free(rows);
     return written ? written : status;
 }

@@ -5,6 +5,8 @@
 #include "results.h"
 #include "wrap.h"
 
+#include "../base/clock.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -137,7 +139,7 @@ static pm_status write_all(const pm__settings *s, comparing *all, double start, 
     const pm__results results = {.command = "compare",
                                  .options = options,
                                  .settings = s,
-                                 .wall_s = pm__now() - start,
+                                 .wall_s = pm__seconds() - start,
                                  .fields = fields,
                                  .field_count = FIELD_COUNT,
                                  .plain_count = FIELD_COUNT,
@@ -178,7 +180,7 @@ static int run(pm__settings *settings)
 {
     pm_error error = {""};
     comparing all;
-    const double start = pm__now();
+    const double start = pm__seconds();
     memset(&all, 0, sizeof all);
     int exit_status = load(settings, &all, &error);
     if (exit_status == PM__EXIT_DONE) {

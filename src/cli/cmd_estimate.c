@@ -8,6 +8,8 @@
 
 #include "../search/search.h"
 
+#include "../base/clock.h"
+
 #include <string.h>
 
 enum { DEFAULT_K = 50 };
@@ -137,7 +139,7 @@ static pm_status work(const pm__settings *s, pm__estimate *e, double start, pm_e
     if (status == PM_OK)
         status = pm__estimate_run(e, error);
     if (status == PM_OK)
-        status = write_rows(s, e, pm__now() - start, &sinks, error);
+        status = write_rows(s, e, pm__seconds() - start, &sinks, error);
     else
         pm__sinks_discard(&sinks);
     return status;
@@ -147,7 +149,7 @@ static int run(pm__settings *settings)
 {
     pm_error error = {""};
     pm__estimate estimate;
-    const double start = pm__now();
+    const double start = pm__seconds();
     const pm_parallel parallel = pm__parallel_for(&settings->threads);
     pm_status status = fill_defaults(settings, &error);
     int exit_status = pm__exit_status(status);

@@ -8,6 +8,8 @@
 #include "results.h"
 #include "wrap.h"
 
+#include "../base/clock.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -234,12 +236,12 @@ static int write_listing(const pm__settings *settings, listing *list, const kind
 {
     pm_error error = {""};
     pm__sinks sinks;
-    const double start = pm__now();
+    const double start = pm__seconds();
     pm_status status = pm__sinks_open(settings, true, &sinks, &error);
     if (status == PM_OK) {
         json_t *const options = json_pack("{s:s?}", "what", only ? only->name : NULL);
         const pm__results results = {
-            .command = "list", .options = options, .settings = settings, .wall_s = pm__now() - start,
+            .command = "list", .options = options, .settings = settings, .wall_s = pm__seconds() - start,
             .fields = fields, .field_count = FIELD_COUNT, .plain_count = PLAIN_COUNT,
             .row_count = list->count, .row = fill_row, .context = list};
         if (pm__sinks_screen(&sinks))

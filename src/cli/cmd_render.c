@@ -8,6 +8,7 @@
 #include "render_options.h"
 
 #include "../../estimators/estimator.h"
+#include "../base/clock.h"
 #include "../base/status.h"
 #include "../methods/method.h"
 #include "../search/search.h"
@@ -283,7 +284,7 @@ static pm_status render_scene(work *w, pm__sinks *sinks, pm_error *error)
 
 static pm_status render_all(work *w, pm__sinks *sinks, pm_error *error)
 {
-    const double start = pm__now();
+    const double start = pm__seconds();
     pm_status status = PM_OK;
     pm__progress_start(&w->progress, w->task.settings->quiet);
     for (; status == PM_OK && w->scene < w->task.scene_count; w->scene++)
@@ -293,7 +294,7 @@ static pm_status render_all(work *w, pm__sinks *sinks, pm_error *error)
         pm__sinks_discard(sinks);
         return status;
     }
-    const pm_status written = pm__render_write(&w->task, w->rows, w->row_count, pm__now() - start,
+    const pm_status written = pm__render_write(&w->task, w->rows, w->row_count, pm__seconds() - start,
                                                status == PM_ECANCELED, sinks, error);
     return written ? written : status;
 }
@@ -311,7 +312,7 @@ static pm_status show_plans(const work *w, const pm__plan *plans, double start, 
 {
     pm__sinks sinks;
     const pm_status status = open_sinks(w->task.settings, &sinks, error);
-    return status ? status : pm__render_write_plans(&w->task, plans, pm__now() - start, &sinks, error);
+    return status ? status : pm__render_write_plans(&w->task, plans, pm__seconds() - start, &sinks, error);
 }
 
 static pm_status make_images(work *w, pm_error *error)
@@ -328,7 +329,7 @@ static pm_status make_images(work *w, pm_error *error)
 
 static pm_status do_job(work *w, pm_error *error)
 {
-    const double start = pm__now();
+    const double start = pm__seconds();
     pm_status status = make_estimators(w, error);
     pm__plan *const plans = calloc(w->task.scene_count, sizeof *plans);
     if (status == PM_OK && !plans)

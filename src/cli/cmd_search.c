@@ -8,6 +8,8 @@
 
 #include "../map/ply_reader.h"
 
+#include "../base/clock.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -146,7 +148,7 @@ static pm_status measure(plan *p, const pm__settings *s, pm__sinks *sinks, bool 
 {
     pm__search_row *rows = NULL;
     size_t count = 0;
-    const double start = pm__now();
+    const double start = pm__seconds();
     pm__progress_start(&p->progress, s->quiet);
     pm_status status = pm__search_run(&p->config, &rows, &count, error);
     pm__progress_end(&p->progress);
@@ -154,7 +156,7 @@ static pm_status measure(plan *p, const pm__settings *s, pm__sinks *sinks, bool 
         *held = all_held(rows, count);
         if (pm__sinks_screen(sinks))
             pm__search_print(pm__sinks_screen(sinks), rows, count);
-        const pm_status written = pm__search_write(s, &p->config, rows, count, pm__now() - start,
+        const pm_status written = pm__search_write(s, &p->config, rows, count, pm__seconds() - start,
                                                    status == PM_ECANCELED, sinks, error);
         if (status == PM_OK)
             say_why_empty(s, count);

@@ -7,6 +7,8 @@
 #include "render_options.h"
 #include "speed_rows.h"
 
+#include "../base/clock.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -130,7 +132,7 @@ static pm_status measure(const pm__settings *s, const pm__speed_config *config, 
 {
     pm__speed_row *rows = NULL;
     size_t count = 0;
-    const double start = pm__now();
+    const double start = pm__seconds();
     pm__progress_start(progress, s->quiet);
     pm_status status = pm__speed_run(config, &rows, &count, error);
     pm__progress_end(progress);
@@ -138,7 +140,7 @@ static pm_status measure(const pm__settings *s, const pm__speed_config *config, 
         *held = all_held(rows, count);
         if (pm__sinks_screen(sinks))
             pm__speed_print(pm__sinks_screen(sinks), rows, count);
-        const pm_status written = pm__speed_write(s, config, rows, count, pm__now() - start, status == PM_ECANCELED,
+        const pm_status written = pm__speed_write(s, config, rows, count, pm__seconds() - start, status == PM_ECANCELED,
                                                   sinks, error);
         if (status == PM_OK)
             say_why_empty(s, count);

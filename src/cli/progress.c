@@ -9,11 +9,6 @@
 
 enum { BAR = 30, NARROWEST = 60 };
 
-double pm__now(void)
-{
-    return pm__seconds();
-}
-
 static bool is_dumb(void)
 {
     const char *const term = getenv("TERM");
@@ -35,7 +30,7 @@ static int terminal_width(void)
 void pm__progress_start(pm__progress *progress, bool quiet)
 {
     progress->shown = !quiet && isatty(STDERR_FILENO) && !is_dumb();
-    progress->start = pm__now();
+    progress->start = pm__seconds();
     progress->last = 0.0;
     progress->width = progress->shown ? terminal_width() : 0;
 }
@@ -54,7 +49,7 @@ static void time_left(double elapsed, double fraction, char *text, size_t size)
 
 void pm__progress_update(pm__progress *progress, double fraction, const char *what)
 {
-    const double now = progress->shown ? pm__now() : 0.0;
+    const double now = progress->shown ? pm__seconds() : 0.0;
     if (!progress->shown || now - progress->last < 0.1)
         return;
     progress->last = now;

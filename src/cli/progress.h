@@ -11,9 +11,6 @@ typedef struct pm__progress {
     int width;          /* of the terminal */
 } pm__progress;
 
-/* Seconds of a clock that only goes forward. */
-double pm__now(void);
-
 /* May escape sequences for colour go to this file? Only to a terminal that is not dumb, and not under NO_COLOR. */
 bool pm__colourful(FILE *file);
 
