@@ -9,7 +9,9 @@
 #include <stdlib.h>
 
 /* Renders are small, since there are many. Trials: images that are compared, and units of the timing. */
-enum { MOST_SIDE = 48, MOST_PHOTONS = 4000, TRIALS = 16, BLOCKS = 4, VALUES = 3 * BLOCKS * BLOCKS };
+enum { MOST_SIDE = 48, MOST_PHOTONS = 4000, TRIALS = 16, BLOCKS = 4 };
+/* Two estimators, since one has no map to share. */
+enum { IMAGES = 2, VALUES = 3 * BLOCKS * BLOCKS };
 static const double false_alarms = 1e-6, rounding = 1e-6;
 
 /* ---- Do images agree? -------------------------------------------------------------------------- */
@@ -51,7 +53,7 @@ bool pm__speed_agree(const double *a, const double *b, size_t trials, size_t val
 typedef struct renders {
     pm__render_config config;
     uint64_t seed;
-    double blocks[TRIALS][VALUES]; /* means of the image's blocks by band */
+    double blocks[TRIALS][IMAGES][VALUES]; /* means of the images' blocks by band */
     bool done[TRIALS];
     pm_status status;
     pm_error error;
@@ -81,8 +83,8 @@ static void render_trial(renders *r, size_t trial)
     r->status = pm__render(&r->config, &result, &r->error);
     if (r->status == PM_OK && result.interrupted)
         r->status = PM_ECANCELED;
-    if (r->status == PM_OK && !r->done[trial])
-        average_blocks(&result.images[0].radiance, r->blocks[trial]);
+    for (size_t i = 0; i < IMAGES && r->status == PM_OK && !r->done[trial]; i++)
+        average_blocks(&result.images[i < result.count ? i : 0].radiance, r->blocks[trial][i]); /* path: one for all */
     r->done[trial] = true;
     pm__render_free(&result);
 }
@@ -112,7 +114,7 @@ static void judge(const renders *all, const renders *planned, pm__speed_row *row
 {
     double worst;
     row->compared = true;
-    row->agree = pm__speed_agree(&planned->blocks[0][0], &all->blocks[0][0], TRIALS, VALUES, &worst);
+    row->agree = pm__speed_agree(&planned->blocks[0][0][0], &all->blocks[0][0][0], TRIALS, IMAGES * VALUES, &worst);
     (void)snprintf(row->detail, sizeof row->detail, "%zu x %zu, k = %zu; %d images of each, %d blocks: p = %.2g",
                    planned->config.width, planned->config.height, planned->config.k, (int)TRIALS,
                    (int)(BLOCKS * BLOCKS), worst);
@@ -148,24 +150,27 @@ static size_t smaller(size_t a, size_t b)
 pm_status pm__speed_skip(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error)
 {
     pm__spec method;
-    pm_estimator *disc = NULL;
+    pm_estimator *own[IMAGES] = {NULL};
     row->photons = smaller(config->photons, MOST_PHOTONS);
     row->threads = config->threads;
     row->baseline = "no-skip";
     pm_status status = pm__spec_parse(&pm__methods, row->method, &method, error);
-    if (status == PM_OK)
-        status = pm_estimator_create("disc", &disc, error);
-    const pm_estimator *const estimators[] = {disc};
+    static const char *const names[IMAGES] = {"disc", "cone"};
+    for (int i = 0; i < IMAGES && status == PM_OK; i++)
+        status = pm_estimator_create(names[i], &own[i], error);
+    const pm_estimator *const estimators[IMAGES] = {own[0], own[1]};
     renders both[2] = {{.seed = config->seed}, {.seed = config->seed}};
     for (int i = 0; i < 2; i++)
         both[i].config = (pm__render_config){
-            .scene = &row->scene, .method = &method, .estimators = estimators, .estimator_count = 1, .k = config->k,
-            .radius = (double)INFINITY, .lookup = {PM_LOOKUP_SPHERE, 0.0, true}, .photons = row->photons,
+            .scene = &row->scene, .method = &method, .estimators = estimators, .estimator_count = IMAGES,
+            .k = config->k, .radius = (double)INFINITY, .lookup = {PM_LOOKUP_SPHERE, 0.0, true},
+            .photons = row->photons,
             .width = smaller(config->width, MOST_SIDE), .height = smaller(config->height, MOST_SIDE), .spp = 1,
             .trials = 1, .no_skip = i == 0, .parallel = config->parallel, .canceled = config->canceled,
             .context = config->context};
     if (status == PM_OK)
         status = compare(config, &both[0], &both[1], seconds, row, error);
-    pm_estimator_destroy(disc);
+    for (int i = 0; i < IMAGES; i++)
+        pm_estimator_destroy(own[i]);
     return status;
 }

@@ -115,6 +115,11 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
                                              : all   ? "to every light, also from behind"
                                                      : "to lights in front of the surface that shine that way");
     pm__plan_step(plan, photons, "shadow photons", photons ? "asked for" : "shadow rays do their work");
+    pm__plan_maps(job,
+                  needs->caustic && needs->global   ? "the global map has all paths, the caustic map fewer"
+                  : needs->caustic || needs->global ? "one map does for all light paths"
+                                                    : "no map is needed",
+                  plan, needs);
     pm__plan_front(job, plan, needs);
     needs->directions = needs->directions || photons;
     pm__plan_volume(job, plan);

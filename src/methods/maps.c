@@ -19,9 +19,23 @@ static unsigned needs_of(const pm__render_job *job, size_t image)
     return pm__estimator_of(spec_of(job, image))->needs;
 }
 
-static bool is_shared(const pm__render_job *job, size_t image)
+static bool may_share(const pm__render_job *job, size_t image)
 {
     return !(needs_of(job, image) & (PM__MAPS | PM__AT_PHOTON));
+}
+
+size_t pm__maps_sharing(const pm__render_job *job)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < job->images; i++)
+        found += may_share(job, i);
+    return found;
+}
+
+/* Unless a map is to be made for each of them. */
+static bool is_shared(const pm__render_job *job, size_t image)
+{
+    return may_share(job, image) && (job->needs.shared || pm__maps_sharing(job) == 1);
 }
 
 /* ---- Making ------------------------------------------------------------------------------------ */
@@ -128,6 +142,16 @@ static pm_status make_combined(pm__render_job *job, const pm__maps_wish *wish, c
     return pm__deal(&dealing, set->photons, set->count, &options, own->dealt, error);
 }
 
+/* The very map that it could share. */
+static pm_status make_equal(const pm__render_job *job, const pm__photon_set *set, pm__own_maps *own, pm_error *error)
+{
+    const pm_map_options options = options_of(job);
+    own->count = 1;
+    own->dealt = pm__alloc_zero(1, sizeof *own->dealt);
+    return own->dealt ? pm_map_create(set->photons, set->count, &options, &own->dealt[0], error)
+                      : pm__fail(error, PM_ENOMEM, "out of memory for photon maps");
+}
+
 /* A parallel-for that does no more once it is canceled: what it was to fill is then not to be used. */
 typedef struct stoppable {
     const pm__render_config *config;
@@ -174,6 +198,8 @@ static pm_status make_own(pm__render_job *job, const pm__maps_wish *wish, const 
         else if (needs & PM__AT_PHOTON)
             status = make_precomputed(job, maps->map, (const float(*)[3])maps->normals, job->config->estimators[i],
                                       &maps->own[i], error);
+        else if (!is_shared(job, i))
+            status = make_equal(job, set, &maps->own[i], error);
         maps->offsets = maps->offsets || (is_shared(job, i) && needs & PM__OFFSETS);
         maps->shared = maps->shared || is_shared(job, i) || maps->own[i].precomputed;
     }

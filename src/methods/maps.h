@@ -7,7 +7,7 @@
 
 /* What one estimator has beside the map that all share. */
 typedef struct pm__own_maps {
-    pm_map **dealt; /* of estimators that combine maps; else NULL */
+    pm_map **dealt; /* of estimators that combine maps, and of those that do not share; else NULL */
     size_t count;
     pm_precomputed *precomputed;
 } pm__own_maps;
@@ -32,6 +32,9 @@ typedef struct pm__maps_wish {
     uint32_t trial;
     uint32_t stream; /* 0 or 1: two kinds of maps of one trial are independent */
 } pm__maps_wish;
+
+/* How many of the job's estimators look into one map of photons, where each could have one and all were equal. */
+size_t pm__maps_sharing(const pm__render_job *job);
 
 /* Traces and builds; adds to job's counts and times. EINVAL: next to no such photon is stored; ENOMEM; ECANCELED. Where
  * nothing is to be aimed at, `aimed` gives an empty map. On error all is released. */

@@ -16,6 +16,7 @@ typedef struct pm__needs {
     bool global;     /* full: indirect light */
     bool front;      /* lookups must refuse photons from behind */
     bool directions; /* maps must keep the photons' directions */
+    bool shared;     /* estimators whose maps would be equal look into one */
     bool behind;     /* shadow rays even to lights that send nothing: --no-skip */
 } pm__needs;
 

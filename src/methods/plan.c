@@ -1,3 +1,4 @@
+#include "maps.h"
 #include "plan_steps.h"
 
 #include <math.h>
@@ -127,6 +128,17 @@ void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
                   : glossy ? "glossy surfaces weigh them"
                            : "nothing looks at them",
                   floor && !glossy ? pm__plan_anyway(job) : "");
+}
+
+void pm__plan_maps(const pm__render_job *job, const char *kinds, pm__plan *plan, pm__needs *needs)
+{
+    const size_t sharing = pm__maps_sharing(job);
+    needs->shared = !job->config->no_skip;
+    if (sharing > 1)
+        pm__plan_step(plan, !needs->shared, "equal maps", "%zu estimators can look into one%s; %s", sharing,
+                      pm__plan_anyway(job), kinds);
+    else
+        pm__plan_step(plan, false, "equal maps", "%s", kinds);
 }
 
 void pm__plan_volume(const pm__render_job *job, pm__plan *plan)

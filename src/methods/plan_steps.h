@@ -19,6 +19,8 @@ void pm__plan_step(pm__plan *plan, bool done, const char *name, const char *why,
 const char *pm__plan_anyway(const pm__render_job *job);
 /* Must lookups refuse photons from behind, must maps keep directions; and the media that no scene has yet. */
 void pm__plan_front(const pm__render_job *job, pm__plan *plan, pm__needs *needs);
+/* One map where several would be equal: of estimators; kinds: what is said of the method's own maps. */
+void pm__plan_maps(const pm__render_job *job, const char *kinds, pm__plan *plan, pm__needs *needs);
 void pm__plan_volume(const pm__render_job *job, pm__plan *plan);
 
 #endif

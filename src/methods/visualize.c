@@ -86,6 +86,7 @@ static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
     plan_projection(job, specular > 0, plan, needs);
     pm__plan_step(plan, false, "shadow rays", "direct light is in the map, or not shown");
     pm__plan_step(plan, false, "final gathering", "not part of visualize");
+    pm__plan_maps(job, "one map is shown", plan, needs);
     pm__plan_front(job, plan, needs);
     pm__plan_volume(job, plan);
 }
