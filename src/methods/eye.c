@@ -1,5 +1,7 @@
 #include "eye.h"
 
+#include "../base/sobol.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -27,6 +29,23 @@ void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *
                      .sees_caustics = true};
     memcpy(eye->origin, origin, sizeof eye->origin);
     memcpy(eye->direction, direction, sizeof eye->direction);
+}
+
+void pm__eye_through(pm__eye *eye, const pm__scene *scene, const pm__camera *camera, const pm__eye_numbers *numbers,
+                     double x, double y)
+{
+    double direction[3];
+    pm__camera_direction(camera, x, y, direction);
+    pm__eye_start(eye, scene, numbers, camera->eye, direction);
+}
+
+void pm__place_in_pixel(uint64_t seed, uint64_t pixel, uint32_t pass, double at[2])
+{
+    for (int d = 0; d < 2; d++) {
+        uint32_t keys[4];
+        pm__random_words(seed, PM__FOR_PIXELS, (uint32_t)d, pixel, 0, keys);
+        at[d] = (double)pm__owen_scramble(pm__sobol(pass, d), keys) * 0x1p-32;
+    }
 }
 
 /* Lights may stand within a medium: what lies between is absorbed as on any way. */

@@ -3,6 +3,7 @@
 #define PM_METHODS_EYE_H
 
 #include "../base/random.h"
+#include "../scene/camera.h"
 #include "../scene/scene.h"
 
 /* The numbers of one eye path: a function of seed, pass, trial and pixel, and of how many were taken. */
@@ -32,6 +33,14 @@ typedef struct pm__eye {
 /* A ray with weight 1 from a point in air. */
 void pm__eye_start(pm__eye *eye, const pm__scene *scene, const pm__eye_numbers *numbers, const double origin[3],
                    const double direction[3]);
+
+/* The same through the point (x, y) of the camera's image. */
+void pm__eye_through(pm__eye *eye, const pm__scene *scene, const pm__camera *camera, const pm__eye_numbers *numbers,
+                     double x, double y);
+
+/* Where in its pixel the pass-th sample lies, in [0, 1): points of a (0, 2)-sequence, scrambled by pixel, so every 2^n
+ * samples are stratified in all the ways that there are. */
+void pm__place_in_pixel(uint64_t seed, uint64_t pixel, uint32_t pass, double at[2]);
 
 /* Goes on through mirrors and glass, by chance where they both reflect and refract, to the next rough surface. false:
  * there is none. Radiance changes with the square of the index of refraction where a surface is crossed. */

@@ -3,9 +3,9 @@
 #include "../base/clock.h"
 #include "../base/memory.h"
 #include "../base/parallel.h"
-#include "../base/sobol.h"
 #include "../lookup/lookup.h"
 #include "job.h"
+#include "stage.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -17,44 +17,6 @@
 static const pm__method *method_of(const pm__render_job *job)
 {
     return (const pm__method *)(const void *)job->config->method->entry;
-}
-
-/* From a point inside a solid of opaque walls every ray meets the back of one. */
-static bool is_in_wall(const pm__scene *scene, const double eye[3])
-{
-    for (int i = 0; i < 6; i++) {
-        double direction[3] = {0.0, 0.0, 0.0};
-        pm__hit hit;
-        direction[i / 2] = i % 2 ? -1.0 : 1.0;
-        if (!pm__scene_intersect(scene, eye, direction, INFINITY, PM__NO_SHAPE, &hit))
-            return false;
-        const bool opaque = hit.material->kind != PM__GLASS;
-        if (!opaque || pm__dot(direction, hit.normal) <= 0.0)
-            return false;
-    }
-    return true;
-}
-
-static pm_status make_camera(pm__render_job *job, pm_error *error)
-{
-    pm__view view;
-    if (job->config->view)
-        view = *job->config->view;
-    else
-        job->subject->view(job->values, &view);
-    const pm_status status = pm__camera_init(&view, job->config->width, job->config->height, &job->camera, error);
-    if (status == PM_OK && is_in_wall(job->scene, view.eye))
-        return pm__fail(error, PM_EINVAL, "the camera at (%g, %g, %g) stands inside a wall", view.eye[0], view.eye[1],
-                        view.eye[2]);
-    return status;
-}
-
-static pm_status make_scene(pm__render_job *job, pm_error *error)
-{
-    pm_status status = pm__scene_create(&job->scene, error);
-    if (status == PM_OK)
-        status = job->subject->build(job->values, job->scene, error);
-    return status == PM_OK ? pm__scene_commit(job->scene, error) : status;
 }
 
 static pm_status check_estimator(const pm__render_config *config, const pm_estimator *estimator, pm_error *error)
@@ -109,6 +71,17 @@ static pm_status find_reference(pm__render_job *job, pm_error *error)
     return PM_OK;
 }
 
+static pm_status set_stage(pm__render_job *job, pm_error *error)
+{
+    const pm__render_config *const config = job->config;
+    pm__stage stage;
+    const pm_status status =
+        pm__stage_open(config->scene, config->view, config->width, config->height, &stage, error);
+    job->scene = stage.scene;
+    job->camera = stage.camera;
+    return status;
+}
+
 void pm__job_close(pm__render_job *job)
 {
     pm__reference_free(&job->reference);
@@ -127,9 +100,7 @@ pm_status pm__job_open(pm__render_job *job, const pm__render_config *config, pm_
     job->images = method->estimates ? config->estimator_count : 1;
     pm_status status = check_config(job, error);
     if (status == PM_OK)
-        status = make_scene(job, error);
-    if (status == PM_OK)
-        status = make_camera(job, error);
+        status = set_stage(job, error);
     job->truth = config->aov && method->has_exact && method->has_exact(job);
     if (status == PM_OK && config->aov && !job->truth)
         status = find_reference(job, error);
@@ -153,26 +124,14 @@ pm_status pm__render_plan(const pm__render_config *config, pm__plan *plan, pm_er
 
 /* ---- Samples ----------------------------------------------------------------------------------- */
 
-/* The pass-th sample of a pixel: points of a (0, 2)-sequence, scrambled by pixel, so every 2^n samples are stratified
- * in all the ways that there are. */
-static void place_in_pixel(uint64_t seed, uint64_t pixel, uint32_t pass, double at[2])
-{
-    for (int d = 0; d < 2; d++) {
-        uint32_t keys[4];
-        pm__random_words(seed, PM__FOR_PIXELS, (uint32_t)d, pixel, 0, keys);
-        at[d] = (double)pm__owen_scramble(pm__sobol(pass, d), keys) * 0x1p-32;
-    }
-}
-
 void pm__tile_eye(const pm__render_job *job, const pm__tile *tile, size_t index, uint32_t trial, pm__eye *eye)
 {
     const size_t across = tile->x1 - tile->x0, x = tile->x0 + index % across, y = tile->y0 + index / across;
     const uint64_t pixel = (uint64_t)y * job->config->width + x, seed = job->config->seed;
     const pm__eye_numbers numbers = pm__eye_numbers_of(seed, trial, tile->pass, pixel);
-    double at[2], direction[3];
-    place_in_pixel(seed, pixel, tile->pass, at);
-    pm__camera_direction(&job->camera, (double)x + at[0], (double)y + at[1], direction);
-    pm__eye_start(eye, job->scene, &numbers, job->camera.eye, direction);
+    double at[2];
+    pm__place_in_pixel(seed, pixel, tile->pass, at);
+    pm__eye_through(eye, job->scene, &job->camera, &numbers, (double)x + at[0], (double)y + at[1]);
 }
 
 typedef struct pass_work {

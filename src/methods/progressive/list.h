@@ -1,0 +1,17 @@
+/* Every progressive method, one row each, in the order in which tables show them. Beside the rows: list.c (this list as
+ * data), progression.c (what runs share), run.c (runs), lookups.c (photons at points), shrink.c (radii). */
+#ifndef PM_METHODS_PROGRESSIVE_LIST_H
+#define PM_METHODS_PROGRESSIVE_LIST_H
+
+#include "progressive.h"
+
+#define PM_PROGRESSIVE_LIST(X) \
+    X(ppm)                     \
+    X(sppm)                    \
+    X(pppm)
+
+#define X(name) extern const pm__progressive pm__progressive_##name;
+PM_PROGRESSIVE_LIST(X)
+#undef X
+
+#endif

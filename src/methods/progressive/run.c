@@ -1,0 +1,120 @@
+#include "progressive.h"
+
+#include "../../base/clock.h"
+#include "../../base/memory.h"
+#include "list.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A trial's own numbers: those of the first are the seed's. */
+static uint64_t seed_of(uint64_t seed, uint32_t trial)
+{
+    uint32_t words[4];
+    pm__random_words(seed, PM__FOR_TRIALS, trial, 0, 0, words);
+    return trial ? (uint64_t)words[0] << 32 | words[1] : seed;
+}
+
+pm_status pm__run_begin(const pm__progression *progression, uint32_t trial, pm__run *run, pm_error *error)
+{
+    *run = (pm__run){.of = progression, .seed = seed_of(progression->config->seed, trial)};
+    const pm__progressive *const method = pm__progressive_of(run);
+    run->state = pm__alloc_zero(progression->points * method->fields, sizeof *run->state);
+    if (!run->state)
+        return pm__fail(error, PM_ENOMEM, "out of memory for %zu points", progression->points);
+    for (size_t i = 0; i < progression->points && method->begin; i++)
+        method->begin(run, i, run->state + i * method->fields);
+    return PM_OK;
+}
+
+void pm__run_end(pm__run *run)
+{
+    if (run->of && pm__progressive_of(run)->release)
+        pm__progressive_of(run)->release(run);
+    free(run->state);
+    *run = (pm__run){.of = NULL};
+}
+
+pm_status pm__run_shoot(pm__run *run, uint32_t pass, pm__photon_set *set, pm_error *error)
+{
+    const pm__progressive_config *const config = run->of->config;
+    const pm__shoot_config shooting = {.scene = run->of->stage.scene,
+                                       .paths = run->of->paths,
+                                       .seed = run->seed,
+                                       .trial = pass,
+                                       .sampler = config->sampler,
+                                       .count = config->photons,
+                                       .emitted = true,
+                                       .parallel = config->parallel,
+                                       .canceled = config->canceled,
+                                       .context = config->context};
+    const double start = pm__seconds();
+    const pm_status status = pm__shoot(&shooting, set, error);
+    run->trace_s += pm__seconds() - start;
+    run->emitted += set->emitted;
+    run->stored += set->count;
+    return status;
+}
+
+pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error)
+{
+    const pm__progressive_config *const config = run->of->config;
+    const pm_map_options options = {
+        .parallel = config->parallel, .search = config->search, .no_directions = !run->of->directions};
+    const double start = pm__seconds();
+    const pm_status status = pm_map_create(set->photons, set->count, &options, map, error);
+    run->build_s += pm__seconds() - start;
+    return status;
+}
+
+static pm_status photon_pass(pm__run *run, pm_error *error)
+{
+    pm__photon_set set = {0};
+    pm_map *map = NULL;
+    pm_status status = pm__run_shoot(run, run->passes, &set, error);
+    if (status == PM_OK)
+        status = pm__run_map(run, &set, &map, error);
+    pm__photon_set_free(&set);
+    if (status == PM_OK)
+        status = pm__run_lookups(run, map, error);
+    pm_map_destroy(map);
+    return status;
+}
+
+pm_status pm__run_pass(pm__run *run, pm_error *error)
+{
+    const pm__progressive *const method = pm__progressive_of(run);
+    const pm_status status = method->pass ? method->pass(run, error) : photon_pass(run, error);
+    if (status == PM_OK)
+        run->passes++;
+    return status;
+}
+
+pm_status pm__run_resume(pm__run *run, const double *state, uint32_t passes, pm_error *error)
+{
+    const pm__progressive *const method = pm__progressive_of(run);
+    memcpy(run->state, state, run->of->points * method->fields * sizeof *state);
+    run->passes = passes;
+    return method->settle ? method->settle(run, error) : PM_OK;
+}
+
+pm_status pm__run_read(pm__run *run, double (*radiance)[3], pm_error *error)
+{
+    const pm__progressive *const method = pm__progressive_of(run);
+    const pm_status status = method->settle ? method->settle(run, error) : PM_OK;
+    for (size_t i = 0; i < run->of->points && status == PM_OK; i++) {
+        const double *const emitted = run->of->fixed[i].emitted;
+        radiance[i][0] = radiance[i][1] = radiance[i][2] = 0.0;
+        if (run->passes)
+            method->answer(run, run->state + i * method->fields, radiance[i]);
+        for (int b = 0; b < 3 && !method->redraws; b++)
+            radiance[i][b] += emitted[b];
+    }
+    return status;
+}
+
+pm__point_view pm__run_view(const pm__run *run, size_t point)
+{
+    const pm__progressive *const method = pm__progressive_of(run);
+    return method->view ? method->view(run, point, run->state + point * method->fields) : (pm__point_view){0.0, 0.0};
+}
