@@ -1,6 +1,7 @@
 #include "stage.h"
 
 #include <math.h>
+#include <string.h>
 
 /* From a point inside a solid of opaque walls every ray meets the back of one. */
 static bool is_in_wall(const pm__scene *scene, const double eye[3])
@@ -52,4 +53,19 @@ void pm__stage_close(pm__stage *stage)
 {
     pm__scene_destroy(stage->scene);
     stage->scene = NULL;
+}
+
+void pm__stage_truth(const pm__stage *stage, const double position[3], const double normal[3],
+                     const double outgoing[3], const double *brdf, double radiance[3])
+{
+    const pm__case *const subject = stage->subject;
+    pm__probe probe;
+    memcpy(probe.position, position, sizeof probe.position);
+    memcpy(probe.normal, normal, sizeof probe.normal);
+    memcpy(probe.outgoing, outgoing, sizeof probe.outgoing);
+    radiance[0] = radiance[1] = radiance[2] = subject->truth(stage->values, &probe);
+    if (subject->truth_bands)
+        subject->truth_bands(stage->values, &probe, radiance);
+    for (int b = 0; b < 3 && !subject->brdf; b++) /* with one the truth is radiance already */
+        radiance[b] = brdf ? brdf[b] * radiance[b] : NAN;
 }

@@ -17,4 +17,10 @@ pm_status pm__stage_open(const pm__spec *spec, const pm__view *view, size_t widt
                          pm_error *error);
 void pm__stage_close(pm__stage *stage); /* one that was never opened, all zero, is allowed */
 
+/* The exact answer at a surface point, as it sends it back: radiance, W/(m2 sr), by band; NAN where it is not known.
+ * normal: unit, on the side that is seen; outgoing: unit, to who looks; brdf: 1/sr, of surfaces that scatter alike in
+ * all directions, else NULL. */
+void pm__stage_truth(const pm__stage *stage, const double position[3], const double normal[3],
+                     const double outgoing[3], const double *brdf, double radiance[3]);
+
 #endif

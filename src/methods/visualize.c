@@ -2,6 +2,7 @@
  * estimate ([C02] 2.3), and no other light. What a renderer's estimates rest on, with nothing to hide their errors. */
 #include "maps.h"
 #include "plan_steps.h"
+#include "stage.h"
 
 #include "../base/memory.h"
 
@@ -121,23 +122,13 @@ static void release(void *state)
 /* The exact radiance of a sample: of what is lit at the point reached, weighted as the estimate is. */
 static void find_truth(const pm__render_job *job, const pm__eye *eye, bool reached, double truth[3])
 {
-    const pm__case *const subject = job->subject;
-    double value[3] = {0.0, 0.0, 0.0}, brdf[3] = {0.0, 0.0, 0.0};
-    if (reached) {
-        pm__probe probe;
-        memcpy(probe.position, eye->hit.position, sizeof probe.position);
-        memcpy(probe.normal, eye->facing, sizeof probe.normal);
-        memcpy(probe.outgoing, eye->outgoing, sizeof probe.outgoing);
-        value[0] = value[1] = value[2] = subject->truth(job->values, &probe);
-        if (subject->truth_bands)
-            subject->truth_bands(job->values, &probe, value);
-        if (subject->brdf)
-            brdf[0] = brdf[1] = brdf[2] = 1.0; /* the truth is radiance */
-        else if (!pm__is_even(eye, brdf))
-            value[0] = value[1] = value[2] = NAN;
-    }
+    const pm__stage stage = {.subject = job->subject, .values = job->values};
+    double value[3] = {0.0, 0.0, 0.0}, brdf[3];
+    if (reached)
+        pm__stage_truth(&stage, eye->hit.position, eye->facing, eye->outgoing, pm__is_even(eye, brdf) ? brdf : NULL,
+                        value);
     for (int b = 0; b < 3; b++)
-        truth[b] = eye->emitted[b] + (reached ? eye->weight[b] * brdf[b] * value[b] : 0.0);
+        truth[b] = eye->emitted[b] + (reached ? eye->weight[b] * value[b] : 0.0);
 }
 
 static pm_status sample(const pm__render_job *job, const void *state, const pm__tile *tile, pm__sample *samples,

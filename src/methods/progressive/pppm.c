@@ -1,7 +1,7 @@
 /* Progressive photon mapping by probability (Knaus and Zwicker 2011): passes are independent but for their radius,
  * which shrinks by a rule that looks at no photon, r_{i+1}^2 / r_i^2 = (i + alpha) / (i + 1) with i from 1 (their eq.
  * 17); the answer is the mean of the passes. Any kernel serves. */
-#include "progressive.h"
+#include "shrink.h"
 
 #include <math.h>
 
@@ -13,13 +13,10 @@ static double shrink(double alpha, uint32_t pass)
     return (pass + 1.0 + alpha) / (pass + 2.0);
 }
 
-static double schedule(const double *values, double alpha, uint32_t pass)
+static double schedule(const double *values, double alpha, double pass)
 {
-    double share = 1.0;
     (void)values;
-    for (uint32_t i = 0; i < pass; i++)
-        share *= shrink(alpha, i);
-    return share;
+    return pm__shrink_product(1.0, pass + 1.0, alpha);
 }
 
 static void begin(const pm__run *run, size_t point, double *state)
@@ -74,5 +71,6 @@ const pm__progressive pm__progressive_pppm = {
     .take = take,
     .answer = answer,
     .view = view,
+    .law = PM__LAW_SHRINKING,
     .schedule = schedule,
 };

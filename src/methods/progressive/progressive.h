@@ -101,6 +101,16 @@ typedef struct pm__found {
     double share[3];    /* weight times BRDF where the surface scatters evenly: radiance of a unit of irradiance */
 } pm__found;
 
+/* What is expected of an answer after several passes. */
+typedef enum pm__progress_law {
+    PM__LAW_UNKNOWN,
+    PM__LAW_SHRINKING, /* the mean of the passes' estimates, radii by the schedule */
+    PM__LAW_MEAN,      /* the mean of estimates of k photons each */
+    PM__LAW_POOLED,    /* their flux over their areas */
+    PM__LAW_GROWING,   /* one estimate on the photons of all passes */
+    PM__LAW_UNBIASED   /* the mean of independent answers without a bias */
+} pm__progress_law;
+
 typedef struct pm__progressive {
     pm__entry entry;
     bool uses_photons; /* else neither kernel nor radius matters */
@@ -117,9 +127,11 @@ typedef struct pm__progressive {
     void (*answer)(const pm__run *run, const double *state, double radiance[3]);
     pm__point_view (*view)(const pm__run *run, size_t point, const double *state);
 
-    /* Squared radius of the lookup of pass j (from 0) over that of the first, where photons are as dense in every pass:
-     * for predictions. NULL where radii do not shrink. */
-    double (*schedule)(const double *values, double alpha, uint32_t pass);
+    /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds a
+     * surface) over that of the first, where photons are as dense in every pass. */
+    pm__progress_law law;
+    double (*schedule)(const double *values, double alpha, double pass); /* of PM__LAW_SHRINKING */
+    size_t (*photons_of)(const pm__progressive_config *config, uint32_t passes); /* k of PM__LAW_GROWING */
 
     /* Instead of shooting, mapping and looking up. NULL: that is what a pass does. */
     pm_status (*pass)(pm__run *run, pm_error *error);

@@ -58,11 +58,14 @@ pm__point_view pm__shrink_view(const pm__run *run, size_t point, const double *s
 /* Even density: where N = i M before the lookup that finds M, the radius shrinks by (i + alpha) / (i + 1), and N is
  * i + 1 times what the next one finds. From zero i is the number of passes done; `first` keeps the radius once and has
  * i = 1 then. */
-double pm__shrink_schedule(const double *values, double alpha, uint32_t pass)
+double pm__shrink_schedule(const double *values, double alpha, double pass)
 {
-    const bool first = values[1] == PM__FROM_FIRST;
-    double share = 1.0;
-    for (uint32_t i = first ? 1 : 0; i < pass; i++)
-        share *= (i + alpha) / (i + 1.0);
-    return share;
+    return pm__shrink_product(values[1] == PM__FROM_FIRST ? 1.0 : 0.0, pass, alpha);
+}
+
+double pm__shrink_product(double first, double x, double alpha)
+{
+    if (!(x > first))
+        return 1.0;
+    return exp(lgamma(x + alpha) - lgamma(x + 1.0) + lgamma(first + 1.0) - lgamma(first + alpha));
 }

@@ -17,5 +17,6 @@ const pm__progressive pm__progressive_sppm = {
     .take = pm__shrink_take,
     .answer = pm__shrink_answer,
     .view = pm__shrink_view,
+    .law = PM__LAW_SHRINKING,
     .schedule = pm__shrink_schedule,
 };
