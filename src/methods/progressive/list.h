@@ -6,6 +6,9 @@
 #include "progressive.h"
 
 #define PM_PROGRESSIVE_LIST(X) \
+    X(pm)                      \
+    X(pm_average)              \
+    X(pm_combine)              \
     X(ppm)                     \
     X(sppm)                    \
     X(pppm)
