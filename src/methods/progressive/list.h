@@ -11,7 +11,8 @@
     X(pm_combine)              \
     X(ppm)                     \
     X(sppm)                    \
-    X(pppm)
+    X(pppm)                    \
+    X(appm)
 
 #define X(name) extern const pm__progressive pm__progressive_##name;
 PM_PROGRESSIVE_LIST(X)
