@@ -78,14 +78,18 @@ static inline double progress_mean(pm__run *run)
     return sum;
 }
 
-/* Mean over points of the squared radius of the next lookup. */
+/* Squared radius of the next lookup at a point, and its mean over points. */
+static inline double progress_radius2_of(const pm__run *run, size_t point)
+{
+    const double radius = pm__run_view(run, point).radius;
+    return radius * radius;
+}
+
 static inline double progress_radius2(const pm__run *run)
 {
     double sum = 0.0;
-    for (size_t i = 0; i < run->of->points; i++) {
-        const double radius = pm__run_view(run, i).radius;
-        sum += radius * radius / (double)run->of->points;
-    }
+    for (size_t i = 0; i < run->of->points; i++)
+        sum += progress_radius2_of(run, i) / (double)run->of->points;
     return sum;
 }
 

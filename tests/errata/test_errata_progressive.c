@@ -119,7 +119,7 @@ START_TEST(erratum_30)
 }
 END_TEST
 
-/* 10 photons a pass, whatever the passes: averaged 10/9, pooled 10 M / (10 M - 1), which goes to 1. Passes: 1 and 16. */
+/* 10 photons a pass, whatever the passes: averaged 10/9, pooled 10 M / (10 M - 1), which goes to 1. */
 START_TEST(erratum_31)
 {
     const law average = law_of("pm-average", 16), pooled = law_of("pm-combine", 16), once = law_of("pm-combine", 1);

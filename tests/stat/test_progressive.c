@@ -21,8 +21,8 @@ static void check_mean(const char *what, const sample *of, double want, double a
         square += (of->values[i] - mean) * (of->values[i] - mean);
     const double error = sqrt(square / (TRIALS * (TRIALS - 1.0)));
     const double bound = pm__student_quantile(1.0 - 0.5e-6 / CHECKS, TRIALS - 1.0);
-    ck_assert_msg(fabs(mean - want) <= allowed + bound * error, "%s: %.6f, expected %.6f within %.6f + %.1f x %.6f", what,
-                  mean, want, allowed, bound, error);
+    ck_assert_msg(fabs(mean - want) <= allowed + bound * error, "%s: %.6f, expected %.6f within %.6f + %.1f x %.6f",
+                  what, mean, want, allowed, bound, error);
     ck_assert_msg(bound * error < 0.13 * fabs(want), "%s: a standard error of %.6f shows nothing", what, error);
 }
 
@@ -105,8 +105,8 @@ END_TEST
 
 /* ---- The adaptive radius ------------------------------------------------------------------------ */
 
-/* A small patch of floor, so that a pixel's mean is the value at its middle; a first radius 10 times that of 50 photons,
- * or so many times. */
+/* A small patch of floor, so that a pixel's mean is the value at its middle; the first radius is so many times that of
+ * 50 photons. */
 static progress *open_patch(const char *scene, const char *method, const pm__view *view, double times)
 {
     progress *const p = progress_create(scene, method, "disc", 0.0);
