@@ -73,7 +73,8 @@ typedef struct pm__run {
 pm_status pm__run_begin(const pm__progression *progression, uint32_t trial, pm__run *run, pm_error *error);
 void pm__run_end(pm__run *run);
 
-/* One more pass. After an error (ENOMEM, ECANCELED, EINVAL: no light) the run can only be ended. */
+/* One more pass. ECANCELED: the run is as it was before, and can be saved. After another error (ENOMEM, EINVAL: no
+ * light) it can only be ended. */
 pm_status pm__run_pass(pm__run *run, pm_error *error);
 
 /* Goes on from a state that was saved: `passes` of them are done. The counts of photons are the caller's to restore. */
@@ -127,13 +128,14 @@ typedef struct pm__progressive {
     void (*answer)(const pm__run *run, const double *state, double radiance[3]);
     pm__point_view (*view)(const pm__run *run, size_t point, const double *state);
 
-    /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds a
-     * surface) over that of the first, where photons are as dense in every pass. */
+    /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds
+     * a surface) over that of the first, where photons are as dense in every pass. */
     pm__progress_law law;
     double (*schedule)(const double *values, double alpha, double pass); /* of PM__LAW_SHRINKING */
     size_t (*photons_of)(const pm__progressive_config *config, uint32_t passes); /* k of PM__LAW_GROWING */
 
-    /* Instead of shooting, mapping and looking up. NULL: that is what a pass does. */
+    /* Instead of shooting, mapping and looking up. NULL: that is what a pass does. Must not stop, canceled, once it has
+     * begun to write to the state. */
     pm_status (*pass)(pm__run *run, pm_error *error);
     /* Before answers are read, and when a run is resumed behind its passes; NULL: nothing is to be done. */
     pm_status (*settle)(pm__run *run, pm_error *error);
@@ -160,6 +162,8 @@ void pm__run_eye(const pm__progression *progression, uint64_t seed, uint32_t pas
                  pm__eye *eye);
 /* Follows it to where radiance is wanted. */
 void pm__hit_point_follow(pm__eye *eye, pm__hit_point *point);
+/* The point where a path has ended. */
+void pm__hit_point_of(const pm__eye *eye, bool reached, pm__hit_point *point);
 /* BRDF, 1/sr, for light that comes from `in` (unit, away from the surface). */
 void pm__hit_point_brdf(const pm__hit_point *point, const double in[3], double value[3]);
 /* The query at a point. radius: m. */
