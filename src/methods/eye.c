@@ -105,33 +105,46 @@ static bool scatter(pm__eye *eye)
     return true;
 }
 
+static void stand(pm__eye *eye)
+{
+    const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
+    for (int i = 0; i < 3; i++) {
+        eye->facing[i] = sign * eye->hit.normal[i];
+        eye->outgoing[i] = -eye->direction[i];
+    }
+}
+
+pm__eye_met pm__eye_step(pm__eye *eye)
+{
+    if (eye->bounces >= LONGEST)
+        return PM__EYE_ENDS;
+    const bool met = pm__scene_intersect(eye->scene, eye->origin, eye->direction, INFINITY, eye->shape, &eye->hit);
+    if (met)
+        learn_medium(eye);
+    if (eye->sees_lights)
+        see_lights(eye, met ? eye->hit.distance : INFINITY);
+    if (!met || eye->hit.material->kind == PM__BLACK)
+        return PM__EYE_ENDS;
+    eye->travelled = eye->hit.distance;
+    if (eye->absorption)
+        pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
+    if (pm__is_rough(eye->hit.material)) {
+        stand(eye);
+        return PM__EYE_STANDS;
+    }
+    if (!scatter(eye))
+        return PM__EYE_ENDS;
+    eye->sees_lights = eye->sees_caustics;
+    return PM__EYE_PASSES;
+}
+
 bool pm__eye_follow(pm__eye *eye)
 {
-    while (eye->bounces < LONGEST) {
-        const bool met =
-            pm__scene_intersect(eye->scene, eye->origin, eye->direction, INFINITY, eye->shape, &eye->hit);
-        if (met)
-            learn_medium(eye);
-        if (eye->sees_lights)
-            see_lights(eye, met ? eye->hit.distance : INFINITY);
-        if (!met || eye->hit.material->kind == PM__BLACK)
-            return false;
-        eye->travelled = eye->hit.distance;
-        if (eye->absorption)
-            pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
-        if (pm__is_rough(eye->hit.material)) {
-            const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
-            for (int i = 0; i < 3; i++) {
-                eye->facing[i] = sign * eye->hit.normal[i];
-                eye->outgoing[i] = -eye->direction[i];
-            }
-            return true;
-        }
-        if (!scatter(eye))
-            return false;
-        eye->sees_lights = eye->sees_caustics;
-    }
-    return false;
+    pm__eye_met met;
+    do
+        met = pm__eye_step(eye);
+    while (met == PM__EYE_PASSES);
+    return met == PM__EYE_STANDS;
 }
 
 bool pm__eye_bounce(pm__eye *eye)

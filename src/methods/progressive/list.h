@@ -8,7 +8,9 @@
 #define PM_PROGRESSIVE_LIST(X) \
     X(ppm)                     \
     X(sppm)                    \
-    X(pppm)
+    X(pppm)                    \
+    X(path)                    \
+    X(light)
 
 #define X(name) extern const pm__progressive pm__progressive_##name;
 PM_PROGRESSIVE_LIST(X)
