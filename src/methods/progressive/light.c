@@ -201,7 +201,7 @@ static pm__point_view view(const pm__run *run, size_t point, const double *state
 
 const pm__progressive pm__progressive_light = {
     .entry = {.name = "light",
-              .summary = "light tracing: photons joined to the camera; what is seen in mirrors or through glass is black",
+              .summary = "light tracing: photons joined to the camera; black where mirrors or glass are seen",
               .citation = "Dutre et al. 1993"},
     .uses_photons = true,
     .no_lookups = true,
