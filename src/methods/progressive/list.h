@@ -12,7 +12,9 @@
     X(ppm)                     \
     X(sppm)                    \
     X(pppm)                    \
-    X(appm)
+    X(appm)                    \
+    X(path)                    \
+    X(light)
 
 #define X(name) extern const pm__progressive pm__progressive_##name;
 PM_PROGRESSIVE_LIST(X)

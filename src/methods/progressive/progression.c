@@ -32,6 +32,8 @@ static pm_status check(const pm__progressive_config *config, pm_error *error)
         return PM_OK;
     if (!config->photons)
         return pm__fail(error, PM_EINVAL, "no photons in a pass");
+    if (method->no_lookups)
+        return PM_OK;
     if (kernel->needs & (PM__MAPS | PM__TRUTH | PM__AT_PHOTON) || !(kernel->dimensions & 1U << 2))
         return pm__fail(error, PM_EINVAL, "%s cannot be the kernel of passes: it needs more than one lookup", name);
     if (method->shrinks && !kernel->weight)
@@ -141,7 +143,7 @@ static pm_status pilot(pm__progression *p, pm_error *error)
 static pm_status set_radii(pm__progression *p, pm_error *error)
 {
     const pm__progressive_config *const config = p->config;
-    if (!method_of(config)->uses_photons)
+    if (!method_of(config)->uses_photons || method_of(config)->no_lookups)
         return PM_OK;
     for (size_t i = 0; i < p->points; i++)
         p->radius[i] = (float)config->radius;
