@@ -222,14 +222,17 @@ static pm_status measure(work *w, pm_error *error)
     return status == PM_OK && item->series.interrupted ? PM_ECANCELED : status;
 }
 
-/* EINVAL: none of them could be measured. */
+/* EINVAL, with the first one's reason: none of them could be measured. */
 static pm_status measure_all(work *w, pm_error *error)
 {
     pm_status status = PM_OK;
     size_t refused = 0;
     pm__progress_start(&w->progress, w->task.settings->quiet);
     for (; status == PM_OK && w->item < w->task.count; w->item++) {
-        status = pm__interrupted() ? PM_ECANCELED : measure(w, error);
+        pm_error reason = {""};
+        status = pm__interrupted() ? PM_ECANCELED : measure(w, &reason);
+        if (!*error->text || (status != PM_OK && status != PM_ECANCELED))
+            *error = reason;
         refused += status == PM_OK && strcmp(w->task.items[w->item].status, "unsupported") == 0;
     }
     pm__progress_end(&w->progress);
@@ -301,10 +304,11 @@ const pm__command pm__command_converge = {
     .max_operands = PM__MAX_OPERANDS,
     .job = "error against passes, photons and time of progressive methods, and the slopes",
     .text = "A scene, method or estimator is NAME[:key=value[,key=value...]]; 'photonbench list' shows them. Each\n"
-            "scene, method, estimator and alpha is a series: independent runs, whose answers are compared with the\n"
-            "truth after 1, 2, 4, ... passes. Slopes are fitted to the logarithms of variance, bias and error\n"
-            "against that of the pass, and stand beside those of the law. Intervals are 95 %, over runs. Ctrl-C\n"
-            "shows what the runs that were complete say, if there are two; a second one ends at once.\n\n"
+            "scene, method, estimator and alpha is a series: independent runs, whose answers are compared with\n"
+            "the truth after 1, 2, 4, ... passes and the last. Slopes are fitted to the logarithms of variance,\n"
+            "bias and error against that of the pass, and stand beside those of the law. Intervals are 95 %,\n"
+            "over runs. Ctrl-C shows what the runs that were complete say, if there are two; a second one ends\n"
+            "at once.\n\n"
             "Examples:\n"
             "  photonbench converge plate\n"
             "  photonbench converge plate water --method ppm,sppm,pppm --alpha 0.5,0.667,0.8 --trials 16\n"

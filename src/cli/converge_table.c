@@ -117,8 +117,8 @@ static void print_triple(FILE *file, const double v[3])
 static void print_point(FILE *file, const pm__converge_series *series, size_t number, size_t width)
 {
     const size_t point = series->watched[number].point;
-    (void)fprintf(file, "  at %zu,%zu\n   pass      radius     photons   radiance (R, G, B), first run     truth\n", point % width,
-                  point / width);
+    (void)fprintf(file, "  at %zu,%zu\n", point % width, point / width);
+    (void)fputs("   pass      radius     photons   radiance (R, G, B), first run     truth\n", file);
     for (size_t r = 0; r < series->row_count; r++) {
         const pm__converge_point *const p = &series->watched[r * series->watched_count + number];
         (void)fprintf(file, "%7lu ", (unsigned long)p->pass);
@@ -146,8 +146,9 @@ static void print_item(FILE *file, const pm__converge_item *item, size_t width, 
     }
     if (!series->row_count)
         return;
-    (void)fputs("   pass   photons seconds    bias    95 % interval predicted noise predicted   rmse    95 % interval\n",
+    (void)fputs("   pass   photons seconds    bias    95 % interval predicted noise predicted   rmse    95 % interval",
                 file);
+    (void)fputc('\n', file);
     for (size_t r = 0; r < series->row_count; r++)
         print_row(file, &series->rows[r]);
     print_fits(file, item, colourful);
