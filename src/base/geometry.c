@@ -74,12 +74,14 @@ double pm__increasing_root(double (*function)(const void *context, double x, dou
         high_known = high_known || value > 0.0;
         *(value < 0.0 ? &low : &high) = x;
         double next = x - step;
+        bool clamped = false;
         /* A root at an end of the range makes Newton fall just outside: that end itself is tried, once. */
         if ((next <= low && !low_known) || (next >= high && !high_known)) {
             next = clamp(next, low, high);
             low_known = low_known || next <= low;
             high_known = high_known || next >= high;
             newton = false;
+            clamped = true;
         } else if (!(next > low && next < high && fabs(step) <= 0.5 * before)) {
             /* Newton leaves the bracket, or does not even halve its step (a multiple root). */
             x = low + 0.5 * (high - low);
@@ -93,7 +95,7 @@ double pm__increasing_root(double (*function)(const void *context, double x, dou
         if (newton && fabs(step) * ratio * ratio <= tolerance)
             return x;
         before = fabs(step);
-        newton = true;
+        newton = !clamped;
     }
     return x;
 }

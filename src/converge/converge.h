@@ -74,8 +74,8 @@ typedef struct pm__converge_series {
     bool interrupted;          /* canceled: rows are of the trials that were whole, if two or more were, else none */
 } pm__converge_series;
 
-/* EINVAL: what is asked for cannot be, or there is no truth; ENOMEM. Canceled: PM_OK with `interrupted`. Free the series
- * by pm__converge_free in any case. */
+/* EINVAL: what is asked for cannot be, or there is no truth; ENOMEM. Canceled: PM_OK with `interrupted`. Free the
+ * series by pm__converge_free in any case. */
 pm_status pm__converge(const pm__converge_config *config, pm__converge_series *series, pm_error *error);
 void pm__converge_free(pm__converge_series *series);
 

@@ -89,10 +89,9 @@ static void cross_boundary(pm__eye *eye, bool front)
         eye->weight[b] *= front ? 1.0 / (glass->ior[b] * glass->ior[b]) : glass->ior[b] * glass->ior[b];
 }
 
-static bool scatter(pm__eye *eye)
+static bool scatter_by(pm__eye *eye, const double u[3])
 {
-    double u[3], outgoing[3];
-    pm__eye_uniform(&eye->numbers, u);
+    double outgoing[3];
     const bool front = pm__dot(eye->direction, eye->hit.normal) < 0.0;
     const pm__event event = pm__scatter(eye->hit.material, eye->hit.normal, eye->direction, u, eye->weight, outgoing);
     if (event == PM__ABSORBED)
@@ -105,33 +104,121 @@ static bool scatter(pm__eye *eye)
     return true;
 }
 
+static bool scatter(pm__eye *eye)
+{
+    double u[3];
+    pm__eye_uniform(&eye->numbers, u);
+    return scatter_by(eye, u);
+}
+
+/* To the next surface and what is seen on the way. false: the path ends there. */
+static bool advance(pm__eye *eye)
+{
+    const bool met = pm__scene_intersect(eye->scene, eye->origin, eye->direction, INFINITY, eye->shape, &eye->hit);
+    if (met)
+        learn_medium(eye);
+    if (eye->sees_lights)
+        see_lights(eye, met ? eye->hit.distance : INFINITY);
+    if (!met || eye->hit.material->kind == PM__BLACK)
+        return false;
+    eye->travelled = eye->hit.distance;
+    if (eye->absorption)
+        pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
+    if (pm__is_rough(eye->hit.material)) {
+        const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
+        for (int i = 0; i < 3; i++) {
+            eye->facing[i] = sign * eye->hit.normal[i];
+            eye->outgoing[i] = -eye->direction[i];
+        }
+    }
+    return true;
+}
+
 bool pm__eye_follow(pm__eye *eye)
 {
     while (eye->bounces < LONGEST) {
-        const bool met =
-            pm__scene_intersect(eye->scene, eye->origin, eye->direction, INFINITY, eye->shape, &eye->hit);
-        if (met)
-            learn_medium(eye);
-        if (eye->sees_lights)
-            see_lights(eye, met ? eye->hit.distance : INFINITY);
-        if (!met || eye->hit.material->kind == PM__BLACK)
+        if (!advance(eye))
             return false;
-        eye->travelled = eye->hit.distance;
-        if (eye->absorption)
-            pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
-        if (pm__is_rough(eye->hit.material)) {
-            const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
-            for (int i = 0; i < 3; i++) {
-                eye->facing[i] = sign * eye->hit.normal[i];
-                eye->outgoing[i] = -eye->direction[i];
-            }
+        if (pm__is_rough(eye->hit.material))
             return true;
-        }
         if (!scatter(eye))
             return false;
         eye->sees_lights = eye->sees_caustics;
     }
     return false;
+}
+
+/* ---- All ways ---------------------------------------------------------------------------------- */
+
+typedef struct branching {
+    double least;
+    pm__eye_visit visit;
+    void *context;
+} branching;
+
+static void follow_branches(const branching *all, pm__eye *eye);
+
+/* One way on, in the bands of the weight, which holds the share of this way: by a number that chooses it. */
+static void take_branch(const branching *all, const pm__eye *eye, const double weight[3], double u)
+{
+    pm__eye next = *eye;
+    const double numbers[3] = {u, 0.0, 0.0};
+    if (!(fmax(weight[0], fmax(weight[1], weight[2])) >= all->least))
+        return;
+    memcpy(next.weight, weight, sizeof next.weight);
+    for (int b = 0; b < 3; b++)
+        next.emitted[b] = 0.0;
+    if (!scatter_by(&next, numbers))
+        return;
+    if (eye->hit.material->kind == PM__MIRROR) /* the share is in the weight already: no roulette */
+        memcpy(next.weight, weight, sizeof next.weight);
+    next.sees_lights = next.sees_caustics;
+    follow_branches(all, &next);
+}
+
+/* Reflected and refracted, band by band where they bend differently. */
+static void branch_at_glass(const branching *all, const pm__eye *eye)
+{
+    static const double refracted = 1.0 - 0x1p-53;
+    const pm__material *const glass = eye->hit.material;
+    const double cosine = -pm__dot(eye->direction, eye->hit.normal);
+    const bool alike = glass->ior[0] == glass->ior[1] && glass->ior[1] == glass->ior[2];
+    for (int band = 0; band < (alike ? 1 : 3); band++) {
+        const double ior = glass->ior[band];
+        double far, back[3] = {0.0, 0.0, 0.0}, on[3] = {0.0, 0.0, 0.0};
+        const double reflected = pm__fresnel(fmin(1.0, fabs(cosine)), cosine > 0.0 ? ior : 1.0 / ior, &far);
+        for (int b = 0; b < 3; b++)
+            if (alike || b == band) {
+                back[b] = eye->weight[b] * reflected;
+                on[b] = eye->weight[b] * (1.0 - reflected);
+            }
+        take_branch(all, eye, back, 0.0);
+        if (reflected < 1.0)
+            take_branch(all, eye, on, refracted);
+    }
+}
+
+static void follow_branches(const branching *all, pm__eye *eye)
+{
+    const bool met = eye->bounces < LONGEST && advance(eye), reached = met && pm__is_rough(eye->hit.material);
+    all->visit(all->context, eye, reached);
+    if (!met || reached)
+        return;
+    if (eye->hit.material->kind == PM__GLASS) {
+        branch_at_glass(all, eye);
+    } else {
+        double weight[3];
+        for (int b = 0; b < 3; b++)
+            weight[b] = eye->weight[b] * eye->hit.material->specular[b];
+        take_branch(all, eye, weight, 0.0);
+    }
+}
+
+void pm__eye_follow_all(const pm__eye *eye, double least, pm__eye_visit visit, void *context)
+{
+    const branching all = {least, visit, context};
+    pm__eye first = *eye;
+    follow_branches(&all, &first);
 }
 
 bool pm__eye_bounce(pm__eye *eye)

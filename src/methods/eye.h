@@ -46,6 +46,12 @@ void pm__place_in_pixel(uint64_t seed, uint64_t pixel, uint32_t pass, double at[
  * there is none. Radiance changes with the square of the index of refraction where a surface is crossed. */
 bool pm__eye_follow(pm__eye *eye);
 
+/* The same with chance left out: every way through mirrors and glass that carries `least` or more of the light, each
+ * weighted by its share. visit: `reached` as pm__eye_follow says it; the sum of weights and of `emitted` over all
+ * visits is what one path has on average, but for ways that carry less. */
+typedef void (*pm__eye_visit)(void *context, const pm__eye *eye, bool reached);
+void pm__eye_follow_all(const pm__eye *eye, double least, pm__eye_visit visit, void *context);
+
 /* Off the rough surface, by its BRDF, which goes into the weight. false: absorbed. The way then sees no lights, before
  * a mirror or glass at least. */
 bool pm__eye_bounce(pm__eye *eye);

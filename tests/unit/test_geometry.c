@@ -168,6 +168,25 @@ START_TEST(test_root)
 }
 END_TEST
 
+static double tangent(const void *context, double x, double *slope)
+{
+    const double t = tan(x);
+    *slope = 1.0 + t * t;
+    return t - *(const double *)context;
+}
+
+/* A pole at the end of the range: Newton's first step lands on it, where the next is small but far from the root. */
+START_TEST(test_root_before_a_pole)
+{
+    const double end = asin(1.0) * (1.0 - 1e-9);
+    for (int i = -20; i <= 40; i++)
+        for (int j = 0; j <= 20; j++) {
+            const double target = exp(0.2 * i);
+            PM_CHECK_NEAR(pm__increasing_root(tangent, &target, 0.0, end, 0.05 * j * end), atan(target), 4e-15);
+        }
+}
+END_TEST
+
 START_TEST(test_root_without_change_of_sign)
 {
     counted above = {0, 0, exp(5.0)}, below = {0, 0, exp(-5.0)};
@@ -220,5 +239,5 @@ START_TEST(test_normalize)
 END_TEST
 
 PM_TEST_MAIN("geometry", test_disc_at_a_side, test_disc_limits, test_disc_against_quadrature, test_balls_closed_forms,
-             test_balls_against_quadrature, test_root, test_root_without_change_of_sign,
+             test_balls_against_quadrature, test_root, test_root_before_a_pole, test_root_without_change_of_sign,
              test_turn, test_normalize)

@@ -61,6 +61,11 @@ void pm__run_eye(const pm__progression *progression, uint64_t seed, uint32_t pas
 void pm__hit_point_follow(pm__eye *eye, pm__hit_point *point)
 {
     const bool reached = pm__eye_follow(eye);
+    pm__hit_point_of(eye, reached, point);
+}
+
+void pm__hit_point_of(const pm__eye *eye, bool reached, pm__hit_point *point)
+{
     *point = (pm__hit_point){.material = reached ? eye->hit.material : NULL};
     for (int a = 0; a < 3; a++) {
         point->emitted[a] = eye->emitted[a];

@@ -127,8 +127,8 @@ typedef struct pm__progressive {
     void (*answer)(const pm__run *run, const double *state, double radiance[3]);
     pm__point_view (*view)(const pm__run *run, size_t point, const double *state);
 
-    /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds a
-     * surface) over that of the first, where photons are as dense in every pass. */
+    /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds
+     * a surface) over that of the first, where photons are as dense in every pass. */
     pm__progress_law law;
     double (*schedule)(const double *values, double alpha, double pass); /* of PM__LAW_SHRINKING */
     size_t (*photons_of)(const pm__progressive_config *config, uint32_t passes); /* k of PM__LAW_GROWING */
@@ -160,6 +160,8 @@ void pm__run_eye(const pm__progression *progression, uint64_t seed, uint32_t pas
                  pm__eye *eye);
 /* Follows it to where radiance is wanted. */
 void pm__hit_point_follow(pm__eye *eye, pm__hit_point *point);
+/* The point where a path has ended. */
+void pm__hit_point_of(const pm__eye *eye, bool reached, pm__hit_point *point);
 /* BRDF, 1/sr, for light that comes from `in` (unit, away from the surface). */
 void pm__hit_point_brdf(const pm__hit_point *point, const double in[3], double value[3]);
 /* The query at a point. radius: m. */

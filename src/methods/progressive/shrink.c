@@ -63,9 +63,16 @@ double pm__shrink_schedule(const double *values, double alpha, double pass)
     return pm__shrink_product(values[1] == PM__FROM_FIRST ? 1.0 : 0.0, pass, alpha);
 }
 
+/* lgamma writes to a global variable; all here is above 0. */
+static double log_gamma(double x)
+{
+    int sign;
+    return lgamma_r(x, &sign);
+}
+
 double pm__shrink_product(double first, double x, double alpha)
 {
     if (!(x > first))
         return 1.0;
-    return exp(lgamma(x + alpha) - lgamma(x + 1.0) + lgamma(first + 1.0) - lgamma(first + alpha));
+    return exp(log_gamma(x + alpha) - log_gamma(x + 1.0) + log_gamma(first + 1.0) - log_gamma(first + alpha));
 }

@@ -24,8 +24,8 @@ void pm__shrink_take(const pm__run *run, const pm__found *found, double *state);
 void pm__shrink_answer(const pm__run *run, const double *state, double radiance[3]); /* with the mean emitted */
 pm__point_view pm__shrink_view(const pm__run *run, size_t point, const double *state);
 double pm__shrink_schedule(const double *values, double alpha, double pass);
-/* Gamma(x + alpha) / (Gamma(first + alpha) Gamma(x + 1)) * Gamma(first + 1): the product of (i + alpha) / (i + 1) for i
- * from `first` to x - 1, for any real x; 1 below `first`. */
+/* The product of (i + alpha) / (i + 1) for i from `first` to x - 1, for any real x: Gamma(x + alpha) / Gamma(x + 1)
+ * over the same at `first`; 1 below that. */
 double pm__shrink_product(double first, double x, double alpha);
 
 #endif
