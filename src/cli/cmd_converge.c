@@ -35,6 +35,12 @@ static const pm__progressive *method_of(const pm__spec *spec)
     return (const pm__progressive *)(const void *)spec->entry;
 }
 
+/* Does it look photons up, so that a kernel matters? */
+static bool looks_up(const pm__progressive *method)
+{
+    return method->uses_photons;
+}
+
 /* ---- What is asked for ------------------------------------------------------------------------- */
 
 static pm_status fill_defaults(pm__settings *s, pm_error *error)
@@ -70,7 +76,7 @@ static bool wants_k(const pm__settings *s)
 {
     for (size_t i = 0; i < s->converge.methods.count; i++) {
         const pm__progressive *const method = method_of(&s->converge.methods.items[i]);
-        if (method->uses_photons && !(method->shrinks && s->radius > 0.0))
+        if (looks_up(method) && !(method->shrinks && s->radius > 0.0))
             return true;
     }
     return false;
@@ -96,13 +102,13 @@ static size_t list_series(const pm__settings *s, const pm__spec *scene, const pm
                           pm__converge_item *items)
 {
     const pm__progressive *const m = method_of(method);
-    const size_t kernels = m->uses_photons ? s->estimators.count : 1;
+    const size_t kernels = looks_up(m) ? s->estimators.count : 1;
     const size_t alphas = m->shrinks ? s->converge.alpha_count : 1;
     for (size_t i = 0; items && i < kernels * alphas; i++) {
         const size_t kernel = i / alphas;
         items[i] = (pm__converge_item){.scene = scene,
                                        .method = method,
-                                       .estimator = m->uses_photons ? &s->estimators.items[kernel] : NULL,
+                                       .estimator = looks_up(m) ? &s->estimators.items[kernel] : NULL,
                                        .kernel = kernel,
                                        .alpha = m->shrinks ? s->converge.alphas[i % alphas] : (double)NAN};
     }

@@ -8,7 +8,7 @@
 /* One series, and what was found. */
 typedef struct pm__converge_item {
     const pm__spec *scene, *method;
-    const pm__spec *estimator; /* NULL: the method takes no photons */
+    const pm__spec *estimator; /* NULL: the method looks none up */
     double alpha;              /* NAN: its radii do not shrink */
     size_t kernel;             /* number of the estimator */
     const char *status;        /* "ok", "interrupted", "unsupported"; NULL: not begun */
