@@ -15,6 +15,12 @@
 
 enum { PM__MOST_RECORDS = 64, PM__CONVERGE_DETAIL = 160 };
 
+/* A series on its way, as bytes that mean something to this program on this kind of machine alone. */
+typedef struct pm__saved {
+    unsigned char *bytes;
+    size_t count;
+} pm__saved;
+
 typedef struct pm__converge_config {
     pm__progressive_config progressive;
     size_t trials;       /* >= 2 */
@@ -24,6 +30,12 @@ typedef struct pm__converge_config {
     const size_t *watched; /* points whose statistics are wanted after every recorded pass; may be NULL */
     size_t watched_count;
     void (*progress)(void *context, double fraction, const char *what); /* may be NULL */
+    /* Checkpoints. from: goes on where this was saved, to the same rows to the last bit (but for seconds); NULL: from
+     * the start. save: called between passes where save_seconds have gone by, when canceled, and at the end; the bytes
+     * are valid for the call. Not OK ends the series with that status. Both may be NULL. */
+    const pm__saved *from;
+    pm_status (*save)(void *context, const pm__saved *saved, pm_error *error);
+    double save_seconds;
 } pm__converge_config;
 
 /* NAN (intervals: low is NAN) stands for a value that does not exist. */
@@ -74,8 +86,8 @@ typedef struct pm__converge_series {
     bool interrupted;          /* canceled: rows are of the trials that were whole, if two or more were, else none */
 } pm__converge_series;
 
-/* EINVAL: what is asked for cannot be, or there is no truth; ENOMEM. Canceled: PM_OK with `interrupted`. Free the
- * series by pm__converge_free in any case. */
+/* EINVAL: what is asked for cannot be, or there is no truth; EFORMAT: `from` is of another series, or damaged; ENOMEM.
+ * Canceled: PM_OK with `interrupted`. Free the series by pm__converge_free in any case. */
 pm_status pm__converge(const pm__converge_config *config, pm__converge_series *series, pm_error *error);
 void pm__converge_free(pm__converge_series *series);
 

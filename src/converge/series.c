@@ -1,4 +1,4 @@
-#include "measure.h"
+#include "measuring.h"
 
 #include "../base/clock.h"
 #include "../base/memory.h"
@@ -7,25 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct measuring {
-    const pm__converge_config *config;
-    pm__progression progression;
-    pm__expectation expectation;
-    pm__yardstick yardstick;
-    uint32_t passes[PM__MOST_RECORDS];
-    size_t records, room;  /* room: records that were planned */
-    float *errors;         /* as pm__record_set has them */
-    double (*radiance)[3]; /* [points] */
-    pm__converge_series *series;
-    double start;          /* s */
-} measuring;
-
 static bool is_canceled(const pm__converge_config *config)
 {
     return config->progressive.canceled && config->progressive.canceled(config->progressive.context);
 }
 
-static void report(const measuring *m, size_t trial, uint32_t pass)
+static void report(const pm__measuring *m, size_t trial, uint32_t pass)
 {
     const pm__converge_config *const config = m->config;
     const double last = (double)m->passes[m->records - 1], trials = (double)config->trials;
@@ -39,7 +26,7 @@ static void report(const measuring *m, size_t trial, uint32_t pass)
 /* ---- What is read when ------------------------------------------------------------------------- */
 
 /* After 1, 2, 4, ... passes and the last. */
-static void set_records(measuring *m, uint32_t last)
+static void set_records(pm__measuring *m, uint32_t last)
 {
     m->records = 0;
     for (uint64_t pass = 1; pass < last && m->records < PM__MOST_RECORDS - 1; pass *= 2)
@@ -56,7 +43,7 @@ static uint32_t most_passes(const pm__converge_config *config)
 
 /* ---- Trials ------------------------------------------------------------------------------------ */
 
-static void watch(const measuring *m, const pm__run *run, size_t record)
+static void watch(const pm__measuring *m, const pm__run *run, size_t record)
 {
     const pm__converge_config *const config = m->config;
     for (size_t i = 0; i < config->watched_count; i++) {
@@ -72,9 +59,10 @@ static void watch(const measuring *m, const pm__run *run, size_t record)
     }
 }
 
-static pm_status record(measuring *m, pm__run *run, size_t trial, size_t index, pm_error *error)
+static pm_status record(pm__measuring *m, pm_error *error)
 {
-    const size_t values = 3 * m->yardstick.values;
+    const size_t values = 3 * m->yardstick.values, trial = m->series->trials, index = m->record;
+    pm__run *const run = &m->run;
     pm__converge_row *const row = &m->series->rows[index];
     const pm_status status = pm__run_read(run, m->radiance, error);
     if (status != PM_OK)
@@ -85,53 +73,83 @@ static pm_status record(measuring *m, pm__run *run, size_t trial, size_t index, 
         *row = (pm__converge_row){.pass = run->passes, .photons = run->emitted, .seconds = pm__seconds() - m->start};
         watch(m, run, index);
     }
+    m->record++;
     return PM_OK;
 }
 
 /* Is the first run's time up? Later runs do the same passes. */
-static bool is_time_up(const measuring *m, size_t trial)
+static bool is_time_up(const pm__measuring *m)
 {
     const pm__converge_config *const config = m->config;
-    return trial == 0 && config->seconds > 0.0 &&
+    return m->series->trials == 0 && config->seconds > 0.0 &&
            pm__seconds() - m->start >= config->seconds / (double)config->trials;
 }
 
-static pm_status run_trial(measuring *m, size_t trial, pm_error *error)
+static pm_status save(pm__measuring *m, pm_error *error)
 {
-    pm__run run;
-    pm_status status = pm__run_begin(&m->progression, (uint32_t)trial, &run, error);
-    for (size_t r = 0; r < m->records && status == PM_OK; r++) {
-        while (run.passes < m->passes[r] && status == PM_OK) {
-            status = is_canceled(m->config) ? PM_ECANCELED : pm__run_pass(&run, error);
-            report(m, trial, run.passes);
-            if (status == PM_OK && is_time_up(m, trial)) {
-                set_records(m, run.passes);
-                r = m->records - 1;
-            }
-        }
-        if (status == PM_OK)
-            status = record(m, &run, trial, r, error);
-    }
-    pm__run_end(&run);
+    const pm__converge_config *const config = m->config;
+    pm__saved saved;
+    if (!config->save)
+        return PM_OK;
+    pm_status status = pm__measuring_save(m, &saved, error);
+    if (status == PM_OK)
+        status = config->save(config->progressive.context, &saved, error);
+    free(saved.bytes);
+    m->saved = pm__seconds();
     return status;
 }
 
-static pm_status run_trials(measuring *m, pm_error *error)
+static pm_status run_pass(pm__measuring *m, pm_error *error)
+{
+    const pm__converge_config *const config = m->config;
+    if (is_canceled(config))
+        return PM_ECANCELED;
+    pm_status status = pm__run_pass(&m->run, error);
+    report(m, m->series->trials, m->run.passes);
+    if (status == PM_OK && is_time_up(m)) {
+        set_records(m, m->run.passes);
+        m->record = m->records - 1;
+    }
+    if (status == PM_OK && config->save_seconds > 0.0 && pm__seconds() - m->saved >= config->save_seconds)
+        status = save(m, error);
+    return status;
+}
+
+/* The trial in hand to its end. */
+static pm_status run_trial(pm__measuring *m, pm_error *error)
 {
     pm_status status = PM_OK;
-    m->start = pm__seconds();
+    while (m->record < m->records && status == PM_OK) {
+        while (m->run.passes < m->passes[m->record] && status == PM_OK)
+            status = run_pass(m, error);
+        if (status == PM_OK)
+            status = record(m, error);
+    }
+    return status;
+}
+
+static pm_status run_trials(pm__measuring *m, pm_error *error)
+{
+    pm_status status = PM_OK;
     while (m->series->trials < m->config->trials && status == PM_OK) {
-        status = run_trial(m, m->series->trials, error);
-        m->series->trials += status == PM_OK;
+        if (!m->run.of)
+            status = pm__run_begin(&m->progression, (uint32_t)m->series->trials, &m->run, error);
+        if (status == PM_OK)
+            status = run_trial(m, error);
+        if (status != PM_OK)
+            break;
+        pm__run_end(&m->run);
+        m->series->trials++;
+        m->record = 0;
     }
     m->series->interrupted = status == PM_ECANCELED;
-    return status == PM_ECANCELED ? PM_OK : status;
+    return status == PM_OK || m->series->interrupted ? save(m, error) : status;
 }
 
 /* ---- Rows -------------------------------------------------------------------------------------- */
 
 /* The expected bias of each measured value after each record, and the law's moments. NULL: there is no law. */
-static pm_status expect(const measuring *m, double **profile, double law[PM__QUANTITIES][PM__MOST_RECORDS],
+static pm_status expect(const pm__measuring *m, double **profile, double law[PM__QUANTITIES][PM__MOST_RECORDS],
                         pm_error *error)
 {
     const size_t values = m->yardstick.values, points = m->progression.points;
@@ -165,7 +183,7 @@ static pm_status expect(const measuring *m, double **profile, double law[PM__QUA
     return PM_OK;
 }
 
-static pm_status summarize(const measuring *m, const pm__record_set *set, pm_error *error)
+static pm_status summarize(const pm__measuring *m, const pm__record_set *set, pm_error *error)
 {
     double *const scratch = pm__alloc(set->values > set->trials ? set->values : set->trials, sizeof *scratch);
     if (!scratch)
@@ -213,7 +231,7 @@ static void set_asymptotes(const pm__progressive_config *config, pm__converge_fi
 }
 
 /* Errors of records side by side: set_records may have made fewer than there was room for. */
-static void close_up(measuring *m)
+static void close_up(pm__measuring *m)
 {
     const size_t row = m->records * 3 * m->yardstick.values, room = m->room * 3 * m->yardstick.values;
     for (size_t t = 1; t < m->series->trials; t++)
@@ -221,7 +239,7 @@ static void close_up(measuring *m)
 }
 
 /* Of the passes that were done, where time cut them short. */
-static pm_status expect_again(measuring *m, pm_error *error)
+static pm_status expect_again(pm__measuring *m, pm_error *error)
 {
     if (!m->expectation.lawful || m->passes[m->records - 1] == most_passes(m->config))
         return PM_OK;
@@ -229,7 +247,7 @@ static pm_status expect_again(measuring *m, pm_error *error)
     return pm__expectation_create(&m->progression, m->passes, m->records, &m->expectation, error);
 }
 
-static pm_status finish(measuring *m, pm_error *error)
+static pm_status finish(pm__measuring *m, pm_error *error)
 {
     pm__converge_series *const series = m->series;
     double law[PM__QUANTITIES][PM__MOST_RECORDS], *profile = NULL;
@@ -267,7 +285,7 @@ static pm_status check(const pm__converge_config *config, pm_error *error)
     return PM_OK;
 }
 
-static pm_status set_up(measuring *m, pm_error *error)
+static pm_status set_up(pm__measuring *m, pm_error *error)
 {
     const pm__converge_config *const config = m->config;
     pm__converge_series *const series = m->series;
@@ -299,11 +317,14 @@ static pm_status set_up(measuring *m, pm_error *error)
 
 pm_status pm__converge(const pm__converge_config *config, pm__converge_series *series, pm_error *error)
 {
-    measuring m = {.config = config, .series = series};
+    pm__measuring m = {.config = config, .series = series};
     *series = (pm__converge_series){.row_count = 0};
     pm_status status = check(config, error);
     if (status == PM_OK)
         status = set_up(&m, error);
+    m.start = m.saved = pm__seconds();
+    if (status == PM_OK && config->from)
+        status = pm__measuring_restore(&m, config->from, error);
     if (status == PM_OK)
         status = run_trials(&m, error);
     if (status == PM_OK)
@@ -312,6 +333,7 @@ pm_status pm__converge(const pm__converge_config *config, pm__converge_series *s
         series->interrupted = true;
         status = PM_OK;
     }
+    pm__run_end(&m.run);
     free(m.errors);
     free(m.radiance);
     pm__yardstick_destroy(&m.yardstick);

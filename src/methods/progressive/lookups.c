@@ -109,8 +109,6 @@ static void look_at_block(void *argument, size_t block)
     const pm__progression *const p = work->run->of;
     pm_workspace *workspace = NULL;
     pm_status status = pm_workspace_create(p->config->k ? p->config->k : 64, &workspace);
-    if (status == PM_OK && p->config->canceled && p->config->canceled(p->config->context))
-        status = PM_ECANCELED;
     for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < p->points && status == PM_OK; i++)
         status = look_at(work, i, workspace);
     if (status != PM_OK)

@@ -73,7 +73,8 @@ typedef struct pm__run {
 pm_status pm__run_begin(const pm__progression *progression, uint32_t trial, pm__run *run, pm_error *error);
 void pm__run_end(pm__run *run);
 
-/* One more pass. After an error (ENOMEM, ECANCELED, EINVAL: no light) the run can only be ended. */
+/* One more pass. ECANCELED: the run is as it was before, and can be saved. After another error (ENOMEM, EINVAL: no
+ * light) it can only be ended. */
 pm_status pm__run_pass(pm__run *run, pm_error *error);
 
 /* Goes on from a state that was saved: `passes` of them are done. The counts of photons are the caller's to restore. */
@@ -133,7 +134,8 @@ typedef struct pm__progressive {
     double (*schedule)(const double *values, double alpha, double pass); /* of PM__LAW_SHRINKING */
     size_t (*photons_of)(const pm__progressive_config *config, uint32_t passes); /* k of PM__LAW_GROWING */
 
-    /* Instead of shooting, mapping and looking up. NULL: that is what a pass does. */
+    /* Instead of shooting, mapping and looking up. NULL: that is what a pass does. Must not stop, canceled, once it has
+     * begun to write to the state. */
     pm_status (*pass)(pm__run *run, pm_error *error);
     /* Before answers are read, and when a run is resumed behind its passes; NULL: nothing is to be done. */
     pm_status (*settle)(pm__run *run, pm_error *error);
