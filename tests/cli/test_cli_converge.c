@@ -133,7 +133,8 @@ START_TEST(options_are_echoed)
 {
     json_t *const root = pm__expect_json(
         "converge plate water:ior=1.4 " TINY "--method ppm,pppm --estimator disc,cone --alpha 0.5,0.8 --photons=3000 "
-        "--radius=0.25 --at=1,2 --sampler=sobol --search=grid --front=off --seconds=1000 --threads=2 --seed=7 --json=-");
+        "--radius=0.25 --at=1,2 --sampler=sobol --search=grid --front=off --seconds=1000 --threads=2 --seed=7 "
+        "--json=-");
     static const struct {
         const char *name, *text; /* as JSON */
     } want[] = {
@@ -337,8 +338,8 @@ END_TEST
 START_TEST(seconds_end_it)
 {
     const time_t start = time(NULL);
-    json_t *const root = pm__expect_json("converge plate --trials 2 --passes 1000000 --photons-per-pass 2000 --size 8x8 "
-                                         "--k 20 --seconds 0.2 --json -");
+    json_t *const root = pm__expect_json("converge plate --trials 2 --passes 1000000 --photons-per-pass 2000 "
+                                         "--size 8x8 --k 20 --seconds 0.2 --json -");
     const size_t rows = count_of(root, "rows");
     ck_assert_uint_ge(rows, 1);
     ck_assert_double_lt(number_of(at(root, "rows", rows - 1), "pass"), 1000000.0);
@@ -387,4 +388,5 @@ END_TEST
 
 PM_TEST_MAIN("cli converge", rows_have_the_contract, fits_stand_beside_rows, watched_pixels, options_are_echoed,
              series_are_all_combinations, threads_do_not_matter, screen_is_100_columns, rows_as_tables,
-             what_cannot_be_measured, every_usage_error, complete_or_absent, a_first_radius, seconds_end_it, interrupted)
+             what_cannot_be_measured, every_usage_error, complete_or_absent, a_first_radius, seconds_end_it,
+             interrupted)

@@ -5,9 +5,10 @@
 #include "../../cases/case.h"
 #include "../../estimators/estimator.h"
 #include "../../src/base/sampler.h"
-#include "../../src/methods/progressive/progressive.h"
 #include "../../src/methods/render.h"
 #include "../../src/search/search.h"
+
+extern const pm__catalogue pm__progressives; /* its header has another pm__run than program.h */
 
 enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 
