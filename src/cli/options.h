@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 32, PM__MAX_SHAPES = 8 };
+enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 32, PM__MAX_SHAPES = 8, PM__MAX_ALPHAS = 32, PM__MAX_WATCHED = 64 };
 
 /* A list of specs or numbers, as options append to it. */
 typedef struct pm__specs {
@@ -28,6 +28,16 @@ typedef struct pm__render_options {
     bool eye, at, up, angle;    /* which of the view's members were given */
     pm__view view;
 } pm__render_options;
+
+/* What `converge` alone asks. */
+typedef struct pm__converge_options {
+    pm__specs methods;
+    double alphas[PM__MAX_ALPHAS];
+    size_t alpha_count;
+    size_t passes, photons_per_pass, photons; /* photons: emitted by a run, at most */
+    size_t at[PM__MAX_WATCHED][2];            /* pixels x, y */
+    size_t at_count;
+} pm__converge_options;
 
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
 typedef struct pm__settings {
@@ -52,6 +62,7 @@ typedef struct pm__settings {
     double seconds;
     unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
     pm__render_options render;
+    pm__converge_options converge;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;
