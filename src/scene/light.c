@@ -72,6 +72,12 @@ void pm__emit(const pm__light *light, const double u[4], double position[3], dou
             normal[i] = -normal[i];
         cosine_about(normal, u[2], u[3], direction);
         break;
+    case PM__SUN: {
+        const double sine = sin(light->angle), sine2 = sine * sine * u[3]; /* even radiance: cosine to the window */
+        on_disc(light, u, position);
+        about(light->direction, sine2 / (1.0 + sqrt(1.0 - sine2)), u[2], direction);
+        break;
+    }
     }
 }
 
@@ -150,6 +156,11 @@ pm_status pm__light_check(const pm__light *light, pm_error *error)
         return check_edges(light, error);
     case PM__BALL:
         return check_radius(light->radius, error);
+    case PM__SUN:
+        if (!(light->angle > 0.0 && light->angle <= 0.5 * pi))
+            return pm__fail(error, PM_EINVAL, "a sun's angle is %g, not above 0 and up to pi / 2", light->angle);
+        status = check_radius(light->radius, error);
+        return status ? status : check_direction(light, error);
     }
     return pm__fail(error, PM_EINVAL, "a light's kind is %d, which is none", (int)light->kind);
 }
