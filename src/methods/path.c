@@ -6,7 +6,7 @@
 
 static bool is_seen(const pm__light *light)
 {
-    return light->kind == PM__RECTANGLE || light->kind == PM__BALL;
+    return light->kind == PM__RECTANGLE || light->kind == PM__BALL || light->kind == PM__SUN;
 }
 
 static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)

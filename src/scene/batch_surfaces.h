@@ -47,6 +47,9 @@ static void emit(pm__batch *b, const pm__lamp *lamp, int64_t light, const double
     case PM__BALL:
         emit_all(b, lamp, PM__BALL, light, power);
         break;
+    case PM__SUN:
+        emit_all(b, lamp, PM__SUN, light, power);
+        break;
     }
 }
 

@@ -85,6 +85,11 @@ pm_status pm__light_check(const pm__light *light, pm_error *error)
         return check_edges(light, error);
     case PM__BALL:
         return check_radius(light->radius, error);
+    case PM__SUN:
+        if (!(light->angle > 0.0 && light->angle <= 0.5 * pi))
+            return pm__fail(error, PM_EINVAL, "a sun's angle is %g, not above 0 and up to pi / 2", light->angle);
+        status = check_radius(light->radius, error);
+        return status ? status : check_direction(light, error);
     }
     return pm__fail(error, PM_EINVAL, "a light's kind is %d, which is none", (int)light->kind);
 }

@@ -10,7 +10,7 @@
 typedef struct pm__lamp {
     pm__light light;
     double axis[3]; /* unit: that it shines about, or its normal */
-    double width;   /* 1 - cosine of the cone's half */
+    double width;   /* 1 - cosine of the cone's half; of a sun its sine squared */
     double side;    /* of a ball that shines: 1 outside, -1 inside */
 } pm__lamp;
 
@@ -20,9 +20,9 @@ static inline pm__lamp pm__lamp_of(const pm__light *light)
     if (light->kind == PM__RECTANGLE) {
         pm__cross(light->edge[0], light->edge[1], lamp.axis);
         (void)pm__normalize_near(lamp.axis);
-    } else if (light->kind == PM__SPOT || light->kind == PM__DIRECTIONAL) {
-        const double half = sin(0.5 * light->angle); /* 1 - cos(angle) = 2 sin^2(angle / 2) */
-        lamp.width = 2.0 * half * half;
+    } else if (light->kind == PM__SPOT || light->kind == PM__DIRECTIONAL || light->kind == PM__SUN) {
+        const double half = sin(0.5 * light->angle), sine = sin(light->angle);
+        lamp.width = light->kind == PM__SUN ? sine * sine : 2.0 * half * half; /* 1 - cos(angle) = 2 sin^2(angle / 2) */
         for (int i = 0; i < 3; i++)
             lamp.axis[i] = light->direction[i];
     }
@@ -60,12 +60,16 @@ static inline __attribute__((always_inline)) void pm__lamp_emit(const pm__lamp *
     }
     if (kind == PM__POINT || kind == PM__SPOT) {
         pm__about(lamp->axis, lamp->width * u[1], u[0], direction);
-    } else if (kind == PM__DIRECTIONAL) {
+    } else if (kind == PM__DIRECTIONAL || kind == PM__SUN) {
         pm__basis(lamp->axis, s, t);
         pm__turn(u[0], &sine, &cosine);
         const double r = light->radius * sqrt(u[1]), x = r * cosine, y = r * sine;
         for (int i = 0; i < 3; i++)
             position[i] = light->position[i] + x * s[i] + y * t[i];
+        if (kind == PM__SUN) { /* even radiance: cosine to the window */
+            const double sine2 = lamp->width * u[3];
+            pm__about(lamp->axis, sine2 / (1.0 + sqrt(1.0 - sine2)), u[2], direction);
+        }
     } else if (kind == PM__RECTANGLE) {
         for (int i = 0; i < 3; i++)
             position[i] += u[0] * light->edge[0][i] + u[1] * light->edge[1][i];

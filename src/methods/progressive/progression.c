@@ -14,7 +14,7 @@
  * chance, and its estimates bright (errata, section 7). */
 #define PILOT UINT32_MAX
 
-enum { POINTS = 256 }; /* at once */
+enum { POINTS = 256, WAYS = 64 }; /* of a task; tried through a pixel's middle */
 
 static const pm__progressive *method_of(const pm__progressive_config *config)
 {
@@ -81,14 +81,18 @@ void pm__hit_point_of(const pm__eye *eye, bool reached, pm__hit_point *point)
     point->back = reached && pm__dot(eye->facing, eye->hit.normal) < 0.0;
 }
 
+/* Where points are drawn anew this one but settles the first radius, so that any that a way through mirrors and glass
+ * leads to will do. */
 static void find_points(void *argument, size_t block)
 {
     pm__progression *const p = argument;
-    for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < p->points; i++) {
-        pm__eye eye;
-        pm__run_eye(p, p->config->seed, 0, i, true, &eye);
-        pm__hit_point_follow(&eye, &p->fixed[i]);
-    }
+    const uint32_t ways = method_of(p->config)->redraws ? WAYS : 1;
+    for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < p->points; i++)
+        for (uint32_t way = 0; way < ways && !p->fixed[i].material; way++) {
+            pm__eye eye;
+            pm__run_eye(p, p->config->seed, way, i, true, &eye);
+            pm__hit_point_follow(&eye, &p->fixed[i]);
+        }
 }
 
 /* ---- First radii ------------------------------------------------------------------------------- */
