@@ -15,10 +15,8 @@
  * Bias squared and variance add up to the least for g^6 = a / (6 b^2): a radius lower by 3^-1/6 = 0.83, and 13 % less
  * error squared. It is ours here: h_i^6 = a / (6 b^2 i).
  *
- * Laplacian. That of a smoothed irradiance is the sum of power times the Laplacian of the smoothing kernel. For the
- * triweight 4/pi (1 - s)^3 this is 48/pi (1 - s)(3 s - 1) / r^4; its variance is S / r^6 times the integral of the
- * square, (48^2/pi) (2/15) = 97.8, and its own bias 0.05 r^2 times the Laplacian's Laplacian. With n passes bias^2 and
- * variance fall alike for r ~ n^-1/10. Ours is r_i = REACH h_i i^(1/15), the same rate where h is at its optimum, so
+ * Laplacian. It is that of the irradiance smoothed by the triweight kernel (curvature.h), of the variance 97.8 S / r^6
+ * and with a bias of its own as r^2. With n passes bias^2 and variance fall alike for r ~ n^-1/10. Ours is r_i = REACH h_i i^(1/15), the same rate where h is at its optimum, so
  * that it follows h wherever that goes. Pass i weighs i, so that early lookups with a bad radius are forgotten as n^-2.
  * The sum of squared terms is an estimate v of the variance without any assumption on powers.
  *
@@ -33,9 +31,8 @@
  *
  * Bands are added up, weighted as they are seen. State of fixed size; a lookup reaches REACH times as far as that of
  * pppm, which is what this method costs more. */
+#include "curvature.h"
 #include "progressive.h"
-
-#include "../../base/gauss.h"
 
 #include <math.h>
 
@@ -63,17 +60,9 @@ enum {
 /* infl / (6 pi (m2/4)^2). */
 static double gain_of(const pm_estimator *estimator)
 {
-    enum { NODES = 32 };
-    double s[NODES], ds[NODES], c = 0.0, square = 0.0, moment = 0.0;
-    pm__gauss_legendre(NODES, s, ds);
-    for (int i = 0; i < NODES; i++) {
-        const double w = pm__estimator_of(&estimator->spec)->weight(estimator->spec.values, s[i]);
-        c += ds[i] * w;
-        square += ds[i] * w * w;
-        moment += ds[i] * w * s[i];
-    }
-    const double quarter = 0.25 * moment / c;
-    return square / (c * c) / (6.0 * pi * quarter * quarter);
+    const pm__blur blur = pm__blur_of(estimator);
+    const double quarter = 0.25 * blur.moment;
+    return blur.square / (6.0 * pi * quarter * quarter);
 }
 
 static void begin(const pm__run *run, size_t point, double *state)
@@ -145,7 +134,7 @@ static void add_curvature(const pm__found *found, double i, double *state)
         double power = 0.0;
         for (int b = 0; b < 3; b++)
             power += found->share[b] * (double)set->flux[j][b];
-        const double term = power * 48.0 / pi * (1.0 - s) * (3.0 * s - 1.0) / (r2 * r2);
+        const double term = power * pm__curving(s, r2);
         lapl += term;
         noise += term * term;
         square += power * power;
@@ -195,5 +184,6 @@ const pm__progressive pm__progressive_appm = {
     .ask = ask,
     .take = take,
     .answer = answer,
+    .averages = pm__always_averages,
     .view = view,
 };

@@ -208,6 +208,7 @@ const pm__progressive pm__progressive_light = {
     .redraws = true,
     .fields = FIELDS,
     .answer = answer,
+    .averages = pm__always_averages,
     .view = view,
     .law = PM__LAW_UNBIASED,
     .pass = pass,

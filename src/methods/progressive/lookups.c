@@ -75,9 +75,27 @@ static pm_status look(const looking *work, const pm__hit_point *point, size_t k,
     return PM_OK;
 }
 
+/* The radius of the lookup under way, as the method counts it: it may have looked further. */
+static double radius_of(const pm__run *run, size_t i)
+{
+    return run->of->config->estimates ? pm__run_view(run, i).radius : 0.0;
+}
+
+/* What is found further out, where the lookup has not gone there itself, tells how light curves. */
+static pm_status look_further(const looking *work, const pm__hit_point *point, size_t i, double radius,
+                              pm_workspace *workspace, pm__found *found)
+{
+    const double reach = pm__own_reach(radius);
+    const bool there = found->area >= 3.14159265358979323846 * reach * reach;
+    const pm_status status = there ? PM_OK : look(work, point, 0, reach, workspace, found);
+    if (status == PM_OK)
+        pm__run_own_bias(work->run, i, found, radius);
+    return status;
+}
+
 static pm_status look_at(const looking *work, size_t i, pm_workspace *workspace)
 {
-    const pm__run *const run = work->run;
+    pm__run *const run = work->run;
     const pm__progressive *const method = pm__progressive_of(run);
     double *const state = run->state + i * method->fields;
     const pm__hit_point *point = &run->of->fixed[i];
@@ -98,9 +116,11 @@ static pm_status look_at(const looking *work, size_t i, pm_workspace *workspace)
         if (k || radius > 0.0)
             status = look(work, point, k, radius, workspace, &found);
     }
-    if (status == PM_OK)
-        method->take(run, &found, state);
-    return status;
+    if (status != PM_OK)
+        return status;
+    const double radius = radius_of(run, i);
+    method->take(run, &found, state);
+    return found.neighbors && radius > 0.0 ? look_further(work, point, i, radius, workspace, &found) : PM_OK;
 }
 
 static void look_at_block(void *argument, size_t block)

@@ -94,6 +94,7 @@ const pm__progressive pm__progressive_path = {
     .redraws = true,
     .fields = FIELDS,
     .answer = answer,
+    .averages = pm__always_averages,
     .law = PM__LAW_UNBIASED,
     .pass = pass,
 };

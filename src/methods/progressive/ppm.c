@@ -22,6 +22,7 @@ const pm__progressive pm__progressive_ppm = {
     .ask = pm__shrink_ask,
     .take = take,
     .answer = pm__shrink_answer,
+    .averages = pm__shrink_averages,
     .view = pm__shrink_view,
     .law = PM__LAW_SHRINKING,
     .schedule = pm__shrink_schedule,

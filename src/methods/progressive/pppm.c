@@ -70,6 +70,7 @@ const pm__progressive pm__progressive_pppm = {
     .ask = ask,
     .take = take,
     .answer = answer,
+    .averages = pm__always_averages,
     .view = view,
     .law = PM__LAW_SHRINKING,
     .schedule = schedule,

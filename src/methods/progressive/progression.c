@@ -1,5 +1,6 @@
 /* What all runs of a configuration have in common: the scene, the points through the pixels' middles, and how far the
  * first lookups reach. */
+#include "curvature.h"
 #include "progressive.h"
 
 #include "../../base/memory.h"
@@ -19,6 +20,15 @@ enum { POINTS = 256, WAYS = 64 }; /* of a task; tried through a pixel's middle *
 static const pm__progressive *method_of(const pm__progressive_config *config)
 {
     return (const pm__progressive *)(const void *)config->method->entry;
+}
+
+static pm_status check_estimates(const pm__progressive_config *config, pm_error *error)
+{
+    const pm__progressive *const method = method_of(config);
+    if (config->estimates && !(method->averages && method->averages(config->method->values)))
+        return pm__fail(error, PM_EINVAL, "%s cannot estimate its own error: its answer is not the mean of passes",
+                        method->entry.name);
+    return PM_OK;
 }
 
 static pm_status check(const pm__progressive_config *config, pm_error *error)
@@ -170,10 +180,14 @@ pm_status pm__progression_open(const pm__progressive_config *config, pm__progres
     pm__progression *const p = progression;
     pm_status status = check(config, error);
     if (status == PM_OK)
+        status = check_estimates(config, error);
+    if (status == PM_OK)
         status = pm__stage_open(config->scene, config->view, config->width, config->height, &p->stage, error);
     if (status != PM_OK)
         return status;
     look_at_scene(p);
+    if (config->estimates && method_of(config)->shrinks)
+        p->moment = pm__blur_of(config->estimator).moment;
     p->fixed = pm__alloc_zero(p->points, sizeof *p->fixed);
     p->radius = pm__alloc_zero(p->points, sizeof *p->radius);
     if (!p->fixed || !p->radius)

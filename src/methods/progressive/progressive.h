@@ -13,6 +13,8 @@
 #include "../eye.h"
 #include "../stage.h"
 
+enum { PM__OWN_FIELDS = 8 }; /* doubles of a point that estimates of the error need */
+
 typedef struct pm__progressive_config {
     const pm__spec *scene;         /* of pm__scene_cases */
     const pm__view *view;          /* NULL: the scene's own */
@@ -27,6 +29,7 @@ typedef struct pm__progressive_config {
     const pm_search *search;       /* NULL: the fastest */
     const pm__sampler *sampler;    /* of emission; NULL: independent photons */
     uint64_t seed;
+    bool estimates;                /* runs estimate their own error */
     const pm_parallel *parallel;
     bool (*canceled)(void *context); /* may be NULL; asked by several threads */
     void *context;
@@ -53,6 +56,7 @@ typedef struct pm__progression {
     size_t points;
     pm__hit_point *fixed;    /* [points]: through the middle of each pixel */
     float *radius;           /* [points]: m, of the first lookup. The same for all trials */
+    double moment;           /* m2 of the kernel (curvature.h), where errors are estimated and lookups shrink */
 } pm__progression;
 
 /* EINVAL: what is asked for cannot be (error says why); ENOMEM, ECANCELED. On error all is released. */
@@ -63,11 +67,14 @@ typedef struct pm__run {
     const pm__progression *of;
     uint64_t seed;   /* of this trial's photons and paths */
     uint32_t passes; /* done */
-    double *state;   /* [points * fields] */
+    double *state;   /* [points * fields], and behind them what estimates of the error need */
     void *own;       /* of methods that keep more than that */
     uint64_t emitted, stored; /* photons, of all passes */
     double trace_s, build_s, lookup_s; /* wall clock */
 } pm__run;
+
+/* Doubles of a run's state. */
+size_t pm__run_state_count(const pm__progression *progression);
 
 /* Trial `trial`, before its first pass. ENOMEM; then there is nothing to end. */
 pm_status pm__run_begin(const pm__progression *progression, uint32_t trial, pm__run *run, pm_error *error);
@@ -88,6 +95,23 @@ typedef struct pm__point_view {
     double radius, count;
 } pm__point_view;
 pm__point_view pm__run_view(const pm__run *run, size_t point);
+
+/* What a run can tell of its answer's error at a point without the truth (estimates.c), where the configuration has
+ * `estimates`. NAN before the second pass. */
+typedef struct pm__own_error {
+    double variance;      /* of the answer, (W/(m2 sr))^2, mean over bands */
+    double bias[3];       /* W/(m2 sr), by band; unbiased but for what curvature.h says of the Laplacian */
+    double bias_variance; /* of that estimate of the bias, mean over bands */
+} pm__own_error;
+pm__own_error pm__run_own_error(const pm__run *run, size_t point);
+
+/* What the root of the mean square over bands of the answer's error at the point stays below with the confidence given
+ * (0.5 < confidence < 1), W/(m2 sr). */
+double pm__run_own_bound(const pm__run *run, size_t point, double confidence);
+
+/* The estimated rms error over points[count] (NULL: all) and bands, over the mean of the answer there. NAN before the
+ * second pass, and where all is black. */
+double pm__run_own_rel_rmse(const pm__run *run, const size_t *points, size_t count);
 
 /* ---- For methods ------------------------------------------------------------------------------- */
 
@@ -129,6 +153,10 @@ typedef struct pm__progressive {
     void (*answer)(const pm__run *run, const double *state, double radiance[3]);
     pm__point_view (*view)(const pm__run *run, size_t point, const double *state);
 
+    /* Is the answer the mean of the passes' estimates, each as good as it would be by itself? Only then can a run say
+     * how large its error is. NULL: no. */
+    bool (*averages)(const double *values);
+
     /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds
      * a surface) over that of the first, where photons are as dense in every pass. */
     pm__progress_law law;
@@ -157,6 +185,18 @@ pm_status pm__run_shoot(pm__run *run, uint32_t pass, pm__photon_set *set, pm_err
 pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error);
 /* Looks up at every point by the method's ask and take. */
 pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error);
+
+/* `averages` of most. */
+static inline bool pm__always_averages(const double *values)
+{
+    (void)values;
+    return true;
+}
+/* For estimates of the error: how far a lookup must reach beside one of the radius r, in m, and what is found there of
+ * a bias; after a pass, what it has added to the answers. */
+double pm__own_reach(double radius);
+void pm__run_own_bias(pm__run *run, size_t point, const pm__found *found, double radius);
+void pm__run_own_take(pm__run *run);
 
 /* The eye's path through pixel `point`: through its middle, or where the pass has its sample. */
 void pm__run_eye(const pm__progression *progression, uint64_t seed, uint32_t pass, size_t point, bool middle,

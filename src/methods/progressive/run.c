@@ -15,11 +15,17 @@ static uint64_t seed_of(uint64_t seed, uint32_t trial)
     return trial ? (uint64_t)words[0] << 32 | words[1] : seed;
 }
 
+size_t pm__run_state_count(const pm__progression *progression)
+{
+    const pm__progressive *const method = (const pm__progressive *)(const void *)progression->config->method->entry;
+    return progression->points * (method->fields + (progression->config->estimates ? PM__OWN_FIELDS : 0));
+}
+
 pm_status pm__run_begin(const pm__progression *progression, uint32_t trial, pm__run *run, pm_error *error)
 {
     *run = (pm__run){.of = progression, .seed = seed_of(progression->config->seed, trial)};
     const pm__progressive *const method = pm__progressive_of(run);
-    run->state = pm__alloc_zero(progression->points * method->fields, sizeof *run->state);
+    run->state = pm__alloc_zero(pm__run_state_count(progression), sizeof *run->state);
     if (!run->state)
         return pm__fail(error, PM_ENOMEM, "out of memory for %zu points", progression->points);
     for (size_t i = 0; i < progression->points && method->begin; i++)
@@ -85,15 +91,18 @@ pm_status pm__run_pass(pm__run *run, pm_error *error)
 {
     const pm__progressive *const method = pm__progressive_of(run);
     const pm_status status = method->pass ? method->pass(run, error) : photon_pass(run, error);
-    if (status == PM_OK)
-        run->passes++;
-    return status;
+    if (status != PM_OK)
+        return status;
+    run->passes++;
+    if (run->of->config->estimates)
+        pm__run_own_take(run);
+    return PM_OK;
 }
 
 pm_status pm__run_resume(pm__run *run, const double *state, uint32_t passes, pm_error *error)
 {
     const pm__progressive *const method = pm__progressive_of(run);
-    memcpy(run->state, state, run->of->points * method->fields * sizeof *state);
+    memcpy(run->state, state, pm__run_state_count(run->of) * sizeof *state);
     run->passes = passes;
     return method->settle ? method->settle(run, error) : PM_OK;
 }

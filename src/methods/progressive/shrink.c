@@ -55,6 +55,11 @@ pm__point_view pm__shrink_view(const pm__run *run, size_t point, const double *s
     return (pm__point_view){sqrt(state[PM__RADIUS2]), state[PM__COUNT]};
 }
 
+bool pm__shrink_averages(const double *values)
+{
+    return values[0] == PM__CORRECTED;
+}
+
 /* Even density: where N = i M before the lookup that finds M, the radius shrinks by (i + alpha) / (i + 1), and N is
  * i + 1 times what the next one finds. From zero i is the number of passes done; `first` keeps the radius once and has
  * i = 1 then. */

@@ -23,6 +23,7 @@ void pm__shrink_ask(const pm__run *run, size_t point, const double *state, size_
 void pm__shrink_take(const pm__run *run, const pm__found *found, double *state);
 void pm__shrink_answer(const pm__run *run, const double *state, double radiance[3]); /* with the mean emitted */
 pm__point_view pm__shrink_view(const pm__run *run, size_t point, const double *state);
+bool pm__shrink_averages(const double *values); /* not as printed: first photons weigh more */
 double pm__shrink_schedule(const double *values, double alpha, double pass);
 /* The product of (i + alpha) / (i + 1) for i from `first` to x - 1, for any real x: Gamma(x + alpha) / Gamma(x + 1)
  * over the same at `first`; 1 below that. */

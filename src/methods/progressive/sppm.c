@@ -16,6 +16,7 @@ const pm__progressive pm__progressive_sppm = {
     .ask = pm__shrink_ask,
     .take = pm__shrink_take,
     .answer = pm__shrink_answer,
+    .averages = pm__shrink_averages,
     .view = pm__shrink_view,
     .law = PM__LAW_SHRINKING,
     .schedule = pm__shrink_schedule,
