@@ -14,6 +14,7 @@
 #include "../stats/stats.h"
 
 enum { PM__MOST_RECORDS = 64, PM__CONVERGE_DETAIL = 160 };
+#define PM__CONFIDENCE 0.9 /* of a point's own bound */
 
 /* A series on its way, as bytes that mean something to this program on this kind of machine alone. */
 typedef struct pm__saved {
@@ -27,6 +28,9 @@ typedef struct pm__converge_config {
     uint32_t passes;     /* at most, of each run; >= 1 */
     uint64_t photons;    /* emitted by a run, at most; 0: no limit. A pass is not cut */
     double seconds;      /* for all runs together; 0: no limit. The first run's passes are then those of all */
+    double error;        /* of the mean radiance: no further pass once the first run estimates that its relative rms error
+                            is no more (progressive.h), 8 passes or more; its passes are then those of all. 0: no
+                            limit, and nothing is estimated */
     const size_t *watched; /* points whose statistics are wanted after every recorded pass; may be NULL */
     size_t watched_count;
     void (*progress)(void *context, double fraction, const char *what); /* may be NULL */
@@ -46,6 +50,11 @@ typedef struct pm__converge_row {
     double rel_bias, rms_bias, rel_noise, rel_rmse;
     pm__interval rel_bias_ci95, rms_bias_ci95, rel_noise_ci95, rel_rmse_ci95;
     double predicted_rel_bias, predicted_rms_bias, predicted_rel_noise;
+    double estimated_rel_rmse;      /* by the first run itself, without the truth; NAN where it was not asked for. Of
+                                       the measured points; where blocks of pixels are measured, of all points */
+    double estimated_rel_rmse_mean; /* of all runs' */
+    double estimate_right;          /* the share of points and runs whose error lies within the point's own bound, of
+                                       PM__CONFIDENCE; NAN where blocks of pixels are measured */
     double along, along_error;  /* b along the predicted bias over its size (1: as predicted) and its standard error */
 } pm__converge_row;
 
@@ -83,6 +92,7 @@ typedef struct pm__converge_series {
     pm__converge_fit fits[PM__QUANTITIES];
     pm__converge_point *watched; /* [row_count * config's watched_count], by row */
     size_t watched_count;
+    bool reached;              /* the first run has ended by the error it estimates */
     bool interrupted;          /* canceled: rows are of the trials that were whole, if two or more were, else none */
 } pm__converge_series;
 

@@ -6,12 +6,14 @@
 
 typedef struct pm__measuring {
     const pm__converge_config *config;
+    pm__progressive_config progressive; /* config's, with what else is asked for */
     pm__progression progression;
     pm__expectation expectation;
     pm__yardstick yardstick;
     uint32_t passes[PM__MOST_RECORDS];
     size_t records, room;  /* room: records that were planned */
     float *errors;         /* [(trial * room + record) * 3 values] */
+    double *estimated, *right; /* [trial * room + record]: what runs say of their own error; NULL: they do not */
     double (*radiance)[3]; /* [points] */
     pm__converge_series *series; /* trials: done; rows: what the first run says of itself */
     pm__run run;           /* of the trial in hand; of NULL: none */

@@ -39,9 +39,11 @@ static bool pass_same(tape *t, uint64_t value)
 
 static bool pass_identity(tape *t, const pm__measuring *m)
 {
+    uint64_t error;
+    memcpy(&error, &m->config->error, sizeof error);
     const pm__progressive *const method = (const pm__progressive *)(const void *)m->config->progressive.method->entry;
     return pass_same(t, m->progression.points) && pass_same(t, m->yardstick.values) && pass_same(t, method->fields) &&
-           pass_same(t, m->room) && pass_same(t, m->config->trials) && pass_same(t, m->config->watched_count) &&
+           pass_same(t, error) && pass_same(t, m->room) && pass_same(t, m->config->trials) && pass_same(t, m->config->watched_count) &&
            pass_same(t, m->config->progressive.seed) && pass_same(t, m->config->progressive.photons);
 }
 
@@ -82,12 +84,12 @@ static bool are_passes(const pm__measuring *m, uint32_t planned)
     return ascending;
 }
 
-static void pass_run(tape *t, pm__run *run, double *state, size_t fields)
+static void pass_run(tape *t, pm__run *run, double *state)
 {
     pass_bytes(t, &run->passes, sizeof run->passes);
     pass_bytes(t, &run->emitted, sizeof run->emitted);
     pass_bytes(t, &run->stored, sizeof run->stored);
-    pass_bytes(t, state, run->of->points * fields * sizeof *state);
+    pass_bytes(t, state, pm__run_state_count(run->of) * sizeof *state);
 }
 
 static void pass_errors(tape *t, pm__measuring *m)
@@ -96,22 +98,24 @@ static void pass_errors(tape *t, pm__measuring *m)
     for (size_t trial = 0; trial <= m->series->trials && trial < m->config->trials; trial++) {
         const size_t done = trial < m->series->trials ? m->records : m->record;
         pass_bytes(t, m->errors + trial * m->room * values, done * values * sizeof *m->errors);
+        if (m->estimated) {
+            pass_bytes(t, m->estimated + trial * m->room, done * sizeof *m->estimated);
+            pass_bytes(t, m->right + trial * m->room, done * sizeof *m->right);
+        }
     }
 }
 
 static void pass_readings(tape *t, pm__measuring *m)
 {
+    unsigned char reached = m->series->reached;
+    pass_bytes(t, &reached, sizeof reached);
+    m->series->reached = reached != 0;
     const size_t done = m->series->trials ? m->records : m->record;
     pass_bytes(t, m->passes, m->records * sizeof *m->passes);
     for (size_t r = 0; r < done; r++)
         pass_row(t, &m->series->rows[r]);
     pass_bytes(t, m->series->watched, done * m->config->watched_count * sizeof *m->series->watched);
     pass_errors(t, m);
-}
-
-static size_t fields_of(const pm__measuring *m)
-{
-    return ((const pm__progressive *)(const void *)m->config->progressive.method->entry)->fields;
 }
 
 static void write_all(tape *t, pm__measuring *m)
@@ -122,7 +126,7 @@ static void write_all(tape *t, pm__measuring *m)
     (void)pass_counts(t, m, &gone, &running);
     pass_readings(t, m);
     if (running)
-        pass_run(t, &m->run, m->run.state, fields_of(m));
+        pass_run(t, &m->run, m->run.state);
 }
 
 pm_status pm__measuring_save(const pm__measuring *m, pm__saved *saved, pm_error *error)
@@ -153,11 +157,11 @@ static bool is_between(const pm__measuring *m)
 static pm_status restore_run(tape *t, pm__measuring *m, pm_error *error)
 {
     pm_status status = pm__run_begin(&m->progression, (uint32_t)m->series->trials, &m->run, error);
-    double *const state = pm__alloc(m->progression.points * fields_of(m), sizeof *state);
+    double *const state = pm__alloc(pm__run_state_count(&m->progression), sizeof *state);
     if (status == PM_OK && !state)
         status = pm__fail(error, PM_ENOMEM, "out of memory for %zu points", m->progression.points);
     if (status == PM_OK) {
-        pass_run(t, &m->run, state, fields_of(m));
+        pass_run(t, &m->run, state);
         status = t->short_of || !is_between(m) ? damaged(error)
                                                : pm__run_resume(&m->run, state, m->run.passes, error);
     }

@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { FEWEST = 8 }; /* passes before a run's estimate of its error is believed */
+
+static const double single = 1e-6; /* rounding of errors and of positions, relative */
+
 static bool is_canceled(const pm__converge_config *config)
 {
     return config->progressive.canceled && config->progressive.canceled(config->progressive.context);
@@ -59,6 +63,37 @@ static void watch(const pm__measuring *m, const pm__run *run, size_t record)
     }
 }
 
+/* The share of points whose error is within their own bound. What is without noise is as exact as errors are kept. */
+static double share_right(const pm__measuring *m, const float *e)
+{
+    const pm__yardstick *const y = &m->yardstick;
+    double right = 0.0;
+    for (size_t v = 0; v < y->values; v++) {
+        double square = 0.0, truth = 0.0;
+        for (size_t b = 0; b < 3; b++) {
+            square += (double)e[3 * v + b] * (double)e[3 * v + b] / 3.0;
+            truth = fmax(truth, fabs(y->truth[3 * v + b]));
+        }
+        right += sqrt(square) <= pm__run_own_bound(&m->run, y->point[v], PM__CONFIDENCE) + single * truth;
+    }
+    return right / (double)y->values;
+}
+
+static double own_error(const pm__measuring *m)
+{
+    const bool blocks = m->yardstick.block > 1;
+    return pm__run_own_rel_rmse(&m->run, blocks ? NULL : m->yardstick.point, m->yardstick.values);
+}
+
+static void record_estimates(pm__measuring *m, const float *e)
+{
+    const size_t at = m->series->trials * m->room + m->record;
+    if (!m->estimated)
+        return;
+    m->estimated[at] = own_error(m);
+    m->right[at] = m->run.passes < 2 || m->yardstick.block > 1 ? (double)NAN : share_right(m, e);
+}
+
 static pm_status record(pm__measuring *m, pm_error *error)
 {
     const size_t values = 3 * m->yardstick.values, trial = m->series->trials, index = m->record;
@@ -67,8 +102,9 @@ static pm_status record(pm__measuring *m, pm_error *error)
     const pm_status status = pm__run_read(run, m->radiance, error);
     if (status != PM_OK)
         return status;
-    pm__yardstick_measure(&m->yardstick, m->progression.config->width, (const double(*)[3])m->radiance,
-                          m->errors + (trial * m->room + index) * values);
+    float *const e = m->errors + (trial * m->room + index) * values;
+    pm__yardstick_measure(&m->yardstick, m->progression.config->width, (const double(*)[3])m->radiance, e);
+    record_estimates(m, e);
     if (trial == 0) {
         *row = (pm__converge_row){.pass = run->passes,
                                   .photons = run->emitted,
@@ -88,6 +124,12 @@ static bool is_time_up(const pm__measuring *m)
     const pm__converge_config *const config = m->config;
     return m->series->trials == 0 && config->seconds > 0.0 &&
            pm__seconds() - m->start >= config->seconds / (double)config->trials;
+}
+
+/* Does the first run say that it is good enough? */
+static bool is_good_enough(const pm__measuring *m)
+{
+    return m->series->trials == 0 && m->estimated && m->run.passes >= FEWEST && own_error(m) <= m->config->error;
 }
 
 static pm_status save(pm__measuring *m, pm_error *error)
@@ -111,7 +153,9 @@ static pm_status run_pass(pm__measuring *m, pm_error *error)
         return PM_ECANCELED;
     pm_status status = pm__run_pass(&m->run, error);
     report(m, m->series->trials, m->run.passes);
-    if (status == PM_OK && is_time_up(m)) {
+    const bool good = status == PM_OK && is_good_enough(m);
+    if (status == PM_OK && (good || is_time_up(m))) {
+        m->series->reached = good;
         set_records(m, m->run.passes);
         m->record = m->records - 1;
     }
@@ -216,6 +260,22 @@ static pm_status summarize(const pm__measuring *m, const pm__record_set *set, pm
     return PM_OK;
 }
 
+static void average_estimates(const pm__measuring *m)
+{
+    const double trials = (double)m->series->trials;
+    for (size_t r = 0; r < m->records; r++) {
+        pm__converge_row *const row = &m->series->rows[r];
+        double estimated = 0.0, right = 0.0;
+        for (size_t t = 0; t < m->series->trials && m->estimated; t++) {
+            estimated += m->estimated[t * m->room + r] / trials;
+            right += m->right[t * m->room + r] / trials;
+        }
+        row->estimated_rel_rmse = m->estimated ? m->estimated[r] : (double)NAN;
+        row->estimated_rel_rmse_mean = m->estimated ? estimated : (double)NAN;
+        row->estimate_right = m->estimated ? right : (double)NAN;
+    }
+}
+
 /* What slopes tend to: variance i^-alpha, bias i^(alpha - 1), the error what falls more slowly. */
 static void set_asymptotes(const pm__progressive_config *config, pm__converge_fit fits[PM__QUANTITIES])
 {
@@ -270,6 +330,7 @@ static pm_status finish(pm__measuring *m, pm_error *error)
         status = summarize(m, &set, error);
     if (status == PM_OK)
         status = pm__fit_all(&set, (const double(*)[PM__MOST_RECORDS])law, series->fits, error);
+    average_estimates(m);
     if (status == PM_OK)
         set_asymptotes(&m->config->progressive, series->fits);
     free(profile);
@@ -284,6 +345,8 @@ static pm_status check(const pm__converge_config *config, pm_error *error)
         return pm__fail(error, PM_EINVAL, "%zu trials: noise takes at least 2", config->trials);
     if (!config->passes)
         return pm__fail(error, PM_EINVAL, "no passes");
+    if (!(config->error >= 0.0 && config->error < INFINITY))
+        return pm__fail(error, PM_EINVAL, "an error of %g cannot be asked for", config->error);
     for (size_t i = 0; i < config->watched_count; i++)
         if (config->watched[i] >= config->progressive.width * config->progressive.height)
             return pm__fail(error, PM_EINVAL, "there is no point %zu", config->watched[i]);
@@ -294,7 +357,9 @@ static pm_status set_up(pm__measuring *m, pm_error *error)
 {
     const pm__converge_config *const config = m->config;
     pm__converge_series *const series = m->series;
-    pm_status status = pm__progression_open(&config->progressive, &m->progression, error);
+    m->progressive = config->progressive;
+    m->progressive.estimates = config->error > 0.0;
+    pm_status status = pm__progression_open(&m->progressive, &m->progression, error);
     if (status != PM_OK)
         return status;
     set_records(m, most_passes(config));
@@ -311,10 +376,14 @@ static pm_status set_up(pm__measuring *m, pm_error *error)
                                     .all_points = m->progression.points,
                                     .truth_mean = m->yardstick.truth_mean,
                                     .watched_count = config->watched_count};
+    if (config->error > 0.0) {
+        m->estimated = pm__alloc(config->trials * m->room, sizeof *m->estimated);
+        m->right = pm__alloc(config->trials * m->room, sizeof *m->right);
+    }
     m->errors = pm__alloc(config->trials * m->room, 3 * m->yardstick.values * sizeof *m->errors);
     m->radiance = pm__alloc(m->progression.points, sizeof *m->radiance);
     series->watched = pm__alloc_zero(m->room * config->watched_count + 1, sizeof *series->watched);
-    return m->errors && m->radiance && series->watched
+    return m->errors && m->radiance && series->watched && (config->error > 0.0 ? m->estimated && m->right : true)
                ? PM_OK
                : pm__fail(error, PM_ENOMEM, "out of memory for %zu trials of %zu points", config->trials,
                           series->points);
@@ -340,6 +409,8 @@ pm_status pm__converge(const pm__converge_config *config, pm__converge_series *s
     }
     pm__run_end(&m.run);
     free(m.errors);
+    free(m.estimated);
+    free(m.right);
     free(m.radiance);
     pm__yardstick_destroy(&m.yardstick);
     pm__expectation_destroy(&m.expectation);
