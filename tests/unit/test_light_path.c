@@ -365,12 +365,12 @@ START_TEST(as_one_thread_so_two)
 }
 END_TEST
 
-/* Passes and trials have numbers of their own: no answer comes twice. */
+/* Passes and trials have numbers of their own: no answer comes twice. No light is seen itself, which would hide it. */
 START_TEST(passes_and_trials_differ)
 {
     static double seen[4][POINTS][3];
     for (size_t m = 0; m < 2; m++) {
-        setting *const s = setting_of("scene:cornell-diffuse", both[m], 1000, "poisson");
+        setting *const s = setting_of("scene:point-light", both[m], 1000, "poisson");
         for (uint32_t i = 0; i < 4; i++)
             run_trial(s, i % 2, 1 + i / 2, seen[i]);
         for (size_t i = 0; i < 4; i++)
