@@ -4,7 +4,7 @@
 
 #include "harvest.h"
 
-/* Powers of photons without a share, of which each stands for `share`, to W. EINVAL: more than a float holds; ENOMEM. */
+/* Powers of photons without a share, each of which stands for `share`, to W. EINVAL: more than a float holds. */
 pm_status pm__share_alike(const pm__shoot_config *config, pm__harvest *harvest, double share, pm_error *error);
 
 /* The same for config->count photons or more, with marks, of independent paths that ended with the one by which there
