@@ -116,7 +116,8 @@ static bool is_photon(const pm__harvest *h, const pm__harvest_wish *wish, size_t
 {
     const made_up *const paths = wish->tracing;
     const pm__stored stored = photon_of(paths, path, i);
-    const unsigned mark = (unsigned)paths->stores(path) | (i == 0 ? PM__FIRST_OF_PATH : 0) | (i == 1 ? PM__NO_POWER : 0);
+    const unsigned first = i == 0 ? PM__FIRST_OF_PATH : 0, dark = i == 1 ? PM__NO_POWER : 0;
+    const unsigned mark = (unsigned)paths->stores(path) | first | dark;
     return same_vector(h->photons[at].position, stored.position, 1.0) &&
            same_vector(h->photons[at].direction, stored.direction, 1.0) &&
            same_vector(h->photons[at].power, stored.power, wish->share > 0.0 ? wish->share : 1.0 / h->unit) &&
