@@ -38,7 +38,7 @@ static const pm__progressive *method_of(const pm__spec *spec)
 /* Does it look photons up, so that a kernel matters? */
 static bool looks_up(const pm__progressive *method)
 {
-    return method->uses_photons;
+    return method->uses_photons && !method->no_lookups;
 }
 
 /* ---- What is asked for ------------------------------------------------------------------------- */
@@ -59,8 +59,6 @@ static pm_status fill_defaults(pm__settings *s, pm_error *error)
         c->passes = s->full ? FULL_PASSES : QUICK_PASSES;
     if (!c->photons_per_pass)
         c->photons_per_pass = PHOTONS;
-    if (!s->render.width)
-        s->render.width = s->render.height = SIDE;
     if (!s->search)
         s->search = pm__searches.entries[0]->name;
     return status;
@@ -88,11 +86,30 @@ static pm_status check(const pm__settings *s, pm_error *error)
     if (k_of(s) > c->photons_per_pass && wants_k(s))
         return pm__fail(error, PM_EINVAL, "--k %zu%s is more than --photons-per-pass %zu", k_of(s),
                         s->ks.count ? "" : " (the default)", c->photons_per_pass);
-    for (size_t i = 0; i < c->at_count; i++)
-        if (c->at[i][0] >= s->render.width || c->at[i][1] >= s->render.height)
-            return pm__fail(error, PM_EINVAL, "--at %zu,%zu lies outside the image of %zux%zu pixels", c->at[i][0],
-                            c->at[i][1], s->render.width, s->render.height);
     return PM_OK;
+}
+
+/* Without --size as many points as there are blocks of a stored reference, where one is needed. */
+static pm_status size_of(const pm__settings *s, const pm__spec *scene, size_t *width, size_t *height, pm_error *error)
+{
+    const pm__converge_options *const c = &s->converge;
+    *width = s->render.width;
+    *height = s->render.height;
+    if (!*width && !pm__converge_reference_size(scene, width, height))
+        *width = *height = SIDE;
+    for (size_t i = 0; i < c->at_count; i++)
+        if (c->at[i][0] >= *width || c->at[i][1] >= *height)
+            return pm__fail(error, PM_EINVAL, "--at %zu,%zu lies outside the image of %zux%zu pixels", c->at[i][0],
+                            c->at[i][1], *width, *height);
+    return PM_OK;
+}
+
+static pm_status check_sizes(const pm__settings *s, pm_error *error)
+{
+    pm_status status = PM_OK;
+    for (size_t i = 0, width, height; i < s->cases.count && status == PM_OK; i++)
+        status = size_of(s, &s->cases.items[i], &width, &height, error);
+    return status;
 }
 
 /* ---- Series ------------------------------------------------------------------------------------ */
@@ -180,11 +197,9 @@ static void configure(work *w)
 {
     const pm__settings *const s = w->task.settings;
     const pm__converge_options *const c = &s->converge;
-    for (size_t i = 0; i < c->at_count; i++)
-        w->watched[i] = c->at[i][1] * s->render.width + c->at[i][0];
     w->task.search = s->search;
     w->task.config = (pm__converge_config){
-        .progressive = {.width = s->render.width,
+        .progressive = {.width = s->render.width, /* 0: as the scene has it */
                         .height = s->render.height,
                         .radius = s->radius,
                         .k = k_of(s),
@@ -215,7 +230,13 @@ static pm_status measure(work *w, pm_error *error)
     config.progressive.method = item->method;
     config.progressive.estimator = w->kernels[item->kernel];
     config.progressive.alpha = item->alpha;
-    const pm_status status = pm__converge(&config, &item->series, error);
+    pm_status status = size_of(w->task.settings, item->scene, &config.progressive.width, &config.progressive.height,
+                               error);
+    for (size_t i = 0; i < config.watched_count; i++)
+        w->watched[i] = w->task.settings->converge.at[i][1] * config.progressive.width +
+                        w->task.settings->converge.at[i][0];
+    if (status == PM_OK)
+        status = pm__converge(&config, &item->series, error);
     if (status == PM_EINVAL) {
         item->status = "unsupported";
         (void)snprintf(item->detail, sizeof item->detail, "%.*s", (int)sizeof item->detail - 1, error->text);
@@ -284,6 +305,8 @@ static int run(pm__settings *settings)
         status = fill_defaults(settings, &error);
     if (status == PM_OK)
         status = check(settings, &error);
+    if (status == PM_OK)
+        status = check_sizes(settings, &error);
     if (status == PM_OK) {
         w.parallel = pm__parallel_for(&settings->threads);
         configure(&w);

@@ -100,6 +100,7 @@ START_TEST(fits_stand_beside_rows)
         ck_assert(fits || *text_of(fit, "detail"));
     }
     ck_assert_str_eq(text_of(at(root, "fits", 0), "status"), "ok"); /* noise is always clear */
+    ck_assert_double_lt(number_of(at(root, "fits", 0), "slope"), 0.0);
     json_decref(root);
 }
 END_TEST
@@ -274,7 +275,7 @@ static const struct {
     {"converge plat", "unknown scene 'plat'; did you mean 'plate'?"},
     {"converge square", "unknown scene 'square'"},
     {"converge plate:iro=2", "did you mean 'ior'?"},
-    {"converge plate --method pmp", "--method: unknown progressive method 'pmp'; did you mean 'ppm'?"},
+    {"converge plate --method sppmm", "--method: unknown progressive method 'sppmm'; did you mean 'sppm'?"},
     {"converge plate --method visualize", "--method: unknown progressive method 'visualize'; there are: "},
     {"converge plate --method ppm:flux=new", "expected one of corrected|printed"},
     {"converge plate --estimator dsic", "--estimator: unknown estimator 'dsic'; did you mean 'disc'?"},
@@ -328,8 +329,8 @@ END_TEST
 START_TEST(a_first_radius)
 {
     json_t *const root = pm__expect_json("converge plate --trials 2 --passes 2 --photons-per-pass 40 --size 4x4 "
-                                         "--radius 0.5 --at 2,2 --json -");
-    ck_assert_double_le(number_of(at(root, "points", 0), "radius"), 0.5);
+                                         "--radius 0.015625 --at 2,2 --json -");
+    ck_assert_double_le(number_of(at(root, "points", 0), "radius"), 0.015625);
     json_decref(root);
 }
 END_TEST
