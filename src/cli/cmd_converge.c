@@ -215,6 +215,7 @@ static void configure(work *w)
         .passes = (uint32_t)c->passes,
         .photons = c->photons,
         .seconds = s->seconds,
+        .error = c->error,
         .watched = w->watched,
         .watched_count = c->at_count,
         .progress = show_progress,
@@ -322,10 +323,10 @@ static const pm__option *const options_taken[] = {
     &pm__converge_option_trials,  &pm__converge_option_passes,    &pm__converge_option_photons_per_pass,
     &pm__converge_option_photons, &pm__converge_option_radius,    &pm__converge_option_k,
     &pm__converge_option_size,    &pm__converge_option_seconds,   &pm__converge_option_at,
-    &pm__converge_option_sampler, &pm__option_search,             &pm__option_front,
-    &pm__option_profile,          &pm__option_seed,               &pm__option_threads,
-    &pm__option_json,             &pm__option_csv,                &pm__option_markdown,
-    &pm__option_output,           &pm__option_quiet};
+    &pm__converge_option_sampler, &pm__converge_option_error,     &pm__option_search,
+    &pm__option_front,            &pm__option_profile,            &pm__option_seed,
+    &pm__option_threads,          &pm__option_json,               &pm__option_csv,
+    &pm__option_markdown,         &pm__option_output,             &pm__option_quiet};
 
 const pm__command pm__command_converge = {
     .name = "converge",
@@ -336,7 +337,8 @@ const pm__command pm__command_converge = {
             "scene, method, estimator and alpha is a series: independent runs, whose answers are compared with\n"
             "the truth after 1, 2, 4, ... passes and the last. Slopes are fitted to the logarithms of variance,\n"
             "bias and error against that of the pass, and stand beside those of the law. Intervals are 95 %,\n"
-            "over runs. Ctrl-C shows what the runs that were complete say, if there are two; a second one ends\n"
+            "over runs. With --error runs estimate their own error, without the truth, and stop by it; how often\n"
+            "they were right stands beside it. Ctrl-C shows what the runs that were complete say, if there are two; a second one ends\n"
             "at once.\n\n"
             "Examples:\n"
             "  photonbench converge plate\n"

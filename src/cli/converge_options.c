@@ -86,6 +86,11 @@ static pm_status set_seconds(pm__settings *s, const char *text, pm_error *error)
     return pm__parse_positive(text, &s->seconds, error);
 }
 
+static pm_status set_error(pm__settings *s, const char *text, pm_error *error)
+{
+    return pm__parse_relative(text, &s->converge.error, error);
+}
+
 static pm_status set_sampler(pm__settings *s, const char *text, pm_error *error)
 {
     return pm__render_option_sampler.set(s, text, error);
@@ -133,6 +138,8 @@ const pm__option pm__converge_option_size = {
     "size", 0, "WxH", "points, one in each pixel of the scene's image (32x32, or as a reference has)", set_size};
 const pm__option pm__converge_option_seconds = {
     "seconds", 0, "S", "time for all runs of a series: fewer passes where they do not fit (none)", set_seconds};
+const pm__option pm__converge_option_error = {
+    "error", 0, "E", "no further pass once the first run estimates so small an error, as 2% or 0.02 (none)", set_error};
 const pm__option pm__converge_option_at = {
     "at", 0, "X,Y", "a pixel whose photons, radius and estimate are wanted too; may be repeated", set_at};
 const pm__option pm__converge_option_sampler = {

@@ -37,6 +37,9 @@ const char *const pm__converge_quantity_names[PM__QUANTITIES] = {
     X(predicted_rel_bias, number(row->predicted_rel_bias))                      \
     X(predicted_rms_bias, number(row->predicted_rms_bias))                      \
     X(predicted_rel_noise, number(row->predicted_rel_noise))                    \
+    X(estimated_rel_rmse, number(row->estimated_rel_rmse))                      \
+    X(estimated_rel_rmse_mean, number(row->estimated_rel_rmse_mean))            \
+    X(estimate_right, number(row->estimate_right))                              \
     X(status, text(item->status))                                               \
     X(detail, text(*item->detail ? item->detail : NULL))
 
@@ -138,7 +141,8 @@ static const pm__converge_row no_row = {
     .seconds = (double)NAN, .rel_bias = (double)NAN, .rms_bias = (double)NAN, .rel_noise = (double)NAN,
     .rel_rmse = (double)NAN, .rel_bias_ci95 = {(double)NAN, (double)NAN}, .rms_bias_ci95 = {(double)NAN, (double)NAN},
     .rel_noise_ci95 = {(double)NAN, (double)NAN}, .rel_rmse_ci95 = {(double)NAN, (double)NAN},
-    .predicted_rel_bias = (double)NAN, .predicted_rms_bias = (double)NAN, .predicted_rel_noise = (double)NAN};
+    .predicted_rel_bias = (double)NAN, .predicted_rms_bias = (double)NAN, .predicted_rel_noise = (double)NAN,
+    .estimated_rel_rmse = (double)NAN, .estimated_rel_rmse_mean = (double)NAN, .estimate_right = (double)NAN};
 
 #define X(name, value) value,
 
@@ -267,6 +271,7 @@ static json_t *options_of(const pm__converge_task *task)
     (void)json_object_set_new(options, "k", json_integer((json_int_t)p->k));
     (void)json_object_set_new(options, "size", json_string(size));
     (void)json_object_set_new(options, "seconds", number_option(s->seconds));
+    (void)json_object_set_new(options, "error", number_option(c->error));
     (void)json_object_set_new(options, "at", pixels_of(c));
     (void)json_object_set_new(options, "sampler", pm__spec_names(s->samplers.items, s->samplers.count));
     (void)json_object_set_new(options, "search", json_string(task->search));

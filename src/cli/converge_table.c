@@ -105,6 +105,25 @@ static void print_fits(FILE *file, const pm__converge_item *item, bool colourful
         print_fit(file, &item->series.fits[q]);
 }
 
+/* What runs say of their own error, beside the error itself. */
+static void print_estimates(FILE *file, const pm__converge_series *series, double wanted, bool colourful)
+{
+    (void)fprintf(file, "  %sthe error as runs estimate it themselves, without the truth%s\n"
+                        "   pass  first run  mean of runs   rmse  right points\n",
+                  colourful ? "\033[1m" : "", colourful ? "\033[0m" : "");
+    for (size_t r = 0; r < series->row_count; r++) {
+        const pm__converge_row *const row = &series->rows[r];
+        (void)fprintf(file, "%7lu ", (unsigned long)row->pass);
+        pm__table_number(file, 10, 100.0 * row->estimated_rel_rmse, 0);
+        pm__table_number(file, 14, 100.0 * row->estimated_rel_rmse_mean, 0);
+        pm__table_number(file, 7, 100.0 * row->rel_rmse, 0);
+        pm__table_number(file, 14, 100.0 * row->estimate_right, 0);
+        (void)fputc('\n', file);
+    }
+    (void)fprintf(file, "  %g %% %s\n", 100.0 * wanted,
+                  series->reached ? "ended the first run" : "was not reached: passes, photons or time ended it");
+}
+
 static void print_triple(FILE *file, const double v[3])
 {
     for (int b = 0; b < 3; b++)
@@ -134,7 +153,7 @@ static void print_point(FILE *file, const pm__converge_series *series, size_t nu
     }
 }
 
-static void print_item(FILE *file, const pm__converge_item *item, bool colourful)
+static void print_item(FILE *file, const pm__converge_item *item, double wanted, bool colourful)
 {
     const pm__converge_series *const series = &item->series;
     (void)fputc('\n', file);
@@ -151,14 +170,21 @@ static void print_item(FILE *file, const pm__converge_item *item, bool colourful
     (void)fputc('\n', file);
     for (size_t r = 0; r < series->row_count; r++)
         print_row(file, &series->rows[r]);
+    if (wanted > 0.0)
+        print_estimates(file, series, wanted, colourful);
     print_fits(file, item, colourful);
     for (size_t i = 0; i < series->watched_count; i++)
         print_point(file, series, i);
 }
 
-static void print_legend(FILE *file)
+static void print_legend(FILE *file, bool estimated)
 {
     (void)fputc('\n', file);
+    if (estimated)
+        pm__wrap(file,
+                 "First run, mean of runs: the relative rms error as these estimate it. Right points: those, in % over "
+                 "points and runs, whose error lies within the bound that the run gives it with a confidence of 90 %.",
+                 0, 0);
     pm__wrap(file,
              "bias, noise, rmse: in % of the mean truth, over trials and points. ~ in place of the sign: the 95 % "
              "interval of the bias (over trials) holds 0. photons, seconds: of one run. Slopes: of straight lines "
@@ -175,9 +201,9 @@ void pm__converge_print(FILE *file, const pm__converge_task *task)
         const pm__converge_item *const item = &task->items[i];
         if (!item->status)
             continue;
-        print_item(file, item, colourful);
+        print_item(file, item, task->config.error, colourful);
         any |= item->series.row_count != 0;
     }
     if (any)
-        print_legend(file);
+        print_legend(file, task->config.error > 0.0);
 }

@@ -7,6 +7,7 @@
 /* EINVAL, ENAME or ENOMEM with a message that names the value. */
 pm_status pm__parse_count(const char *text, size_t min, size_t max, size_t *value, pm_error *error);
 pm_status pm__parse_positive(const char *text, double *value, pm_error *error);
+pm_status pm__parse_relative(const char *text, double *value, pm_error *error); /* 2% or 0.02: above 0 */
 pm_status pm__parse_path(const char *text, const char **path, pm_error *error);
 
 /* Comma lists, appended; what is there already is not repeated. */

@@ -35,6 +35,7 @@ typedef struct pm__converge_options {
     double alphas[PM__MAX_ALPHAS];
     size_t alpha_count;
     size_t passes, photons_per_pass, photons; /* photons: emitted by a run, at most */
+    double error;                             /* relative, by which runs end */
     size_t at[PM__MAX_WATCHED][2];            /* pixels x, y */
     size_t at_count;
 } pm__converge_options;
