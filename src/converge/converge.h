@@ -51,10 +51,10 @@ typedef struct pm__converge_row {
     pm__interval rel_bias_ci95, rms_bias_ci95, rel_noise_ci95, rel_rmse_ci95;
     double predicted_rel_bias, predicted_rms_bias, predicted_rel_noise;
     double estimated_rel_rmse;      /* by the first run itself, without the truth; NAN where it was not asked for. Of
-                                       the measured points; where blocks of pixels are measured, of all points */
+                                       the measured points; beside a stored reference of all */
     double estimated_rel_rmse_mean; /* of all runs' */
     double estimate_right;          /* the share of points and runs whose error lies within the point's own bound, of
-                                       PM__CONFIDENCE; NAN where blocks of pixels are measured */
+                                       PM__CONFIDENCE; NAN beside a stored reference */
     double along, along_error;  /* b along the predicted bias over its size (1: as predicted) and its standard error */
 } pm__converge_row;
 

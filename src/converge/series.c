@@ -79,10 +79,15 @@ static double share_right(const pm__measuring *m, const float *e)
     return right / (double)y->values;
 }
 
+/* A stored reference is of pixels or blocks of them, and has an error of its own: not what a point's bound is about. */
+static bool is_exact(const pm__measuring *m)
+{
+    return strcmp(m->yardstick.name, "exact") == 0;
+}
+
 static double own_error(const pm__measuring *m)
 {
-    const bool blocks = m->yardstick.block > 1;
-    return pm__run_own_rel_rmse(&m->run, blocks ? NULL : m->yardstick.point, m->yardstick.values);
+    return pm__run_own_rel_rmse(&m->run, is_exact(m) ? m->yardstick.point : NULL, m->yardstick.values);
 }
 
 static void record_estimates(pm__measuring *m, const float *e)
@@ -91,7 +96,7 @@ static void record_estimates(pm__measuring *m, const float *e)
     if (!m->estimated)
         return;
     m->estimated[at] = own_error(m);
-    m->right[at] = m->run.passes < 2 || m->yardstick.block > 1 ? (double)NAN : share_right(m, e);
+    m->right[at] = m->run.passes < 2 || !is_exact(m) ? (double)NAN : share_right(m, e);
 }
 
 static pm_status record(pm__measuring *m, pm_error *error)

@@ -10,7 +10,7 @@
 static const char row_keys[] =
     "scene paths method estimator alpha pass photons seconds rel_bias rel_noise rel_rmse rel_rmse_ci95 points trials "
     "truth truth_mean rel_bias_ci95 rms_bias rms_bias_ci95 rel_noise_ci95 predicted_rel_bias predicted_rms_bias "
-    "predicted_rel_noise status detail";
+    "predicted_rel_noise estimated_rel_rmse estimated_rel_rmse_mean estimate_right status detail";
 static const char fit_keys[] = "scene method estimator alpha quantity first_pass last_pass slope slope_ci95 predicted "
                                "asymptote status detail";
 static const char point_keys[] = "scene method estimator alpha x y pass radius count radiance truth";
@@ -144,7 +144,7 @@ START_TEST(options_are_echoed)
         {"estimator", "[\"disc:last=full\",\"cone:k=1.1,last=full\"]"},
         {"alpha", "[0.5,0.8]"}, {"trials", "3"},      {"passes", "6"},          {"photons_per_pass", "2000"},
         {"photons", "3000"},    {"radius", "0.25"},   {"k", "20"},              {"size", "\"8x8\""},
-        {"seconds", "1000.0"},  {"at", "[[1,2]]"},    {"sampler", "[\"sobol\"]"}, {"search", "\"grid\""},
+        {"seconds", "1000.0"},  {"error", "null"},  {"at", "[[1,2]]"},    {"sampler", "[\"sobol\"]"}, {"search", "\"grid\""},
         {"front", "\"off\""},   {"profile", "\"quick\""}, {"threads", "2"},
     };
     json_t *const options = json_object_get(root, "options");
@@ -297,6 +297,11 @@ static const struct {
     {"converge plate --photons-per-pass 40", "--k 50 (the default) is more than --photons-per-pass 40"},
     {"converge plate --size 32", "--size: '32': expected WIDTHxHEIGHT"},
     {"converge plate --seconds 0", "--seconds: '0' is not a number above 0"},
+    {"converge plate --error 0", "--error: '0' is neither a percentage nor a number, above 0, as 2% or 0.02"},
+    {"converge plate --error 0%", "--error: '0%' is neither a percentage"},
+    {"converge plate --error -2%", "--error: '-2%' is neither a percentage"},
+    {"converge plate --error 2%%", "--error: '2%%' is neither a percentage"},
+    {"converge plate --error %", "--error: '%' is neither a percentage"},
     {"converge plate --sampler poisson,sobol", "one sampler at a time"},
     {"converge plate --front maybe", "--front: 'maybe': expected on or off"},
     {"converge plate --profile slow", "--profile: 'slow': expected full or quick"},
@@ -349,6 +354,31 @@ START_TEST(seconds_end_it)
 }
 END_TEST
 
+/* In percent or not it is the same error; rows and table say what came of it. A method that cannot is a row that says
+ * so. */
+START_TEST(an_error_ends_it)
+{
+    json_t *const root = pm__expect_json("converge plate " TINY "--passes 1000 --error 25% --method ppm,pm --json -");
+    const size_t rows = count_of(root, "rows") - 1;
+    const json_t *const first = at(root, "rows", 0), *const row = at(root, "rows", rows - 1);
+    ck_assert_double_eq(number_of(json_object_get(root, "options"), "error"), 0.25);
+    ck_assert(is_null(first, "estimated_rel_rmse") && is_null(first, "estimate_right")); /* one pass */
+    ck_assert_double_lt(number_of(row, "pass"), 1000.0);
+    ck_assert_double_ge(number_of(row, "pass"), 8.0);
+    ck_assert_double_le(number_of(row, "estimated_rel_rmse"), 0.25);
+    ck_assert_double_gt(number_of(row, "estimated_rel_rmse_mean"), 0.0);
+    ck_assert_double_gt(number_of(row, "estimate_right"), 0.5);
+    ck_assert_str_eq(text_of(at(root, "rows", rows), "status"), "unsupported");
+    ck_assert_ptr_nonnull(strstr(text_of(at(root, "rows", rows), "detail"), "cannot estimate its own error"));
+    json_decref(root);
+    const char *const out = pm__expect("converge plate " TINY "--passes 1000 --error 0.25", 0, "")->out;
+    ck_assert_ptr_nonnull(strstr(out, "   pass  first run  mean of runs   rmse  right points\n"));
+    ck_assert_ptr_nonnull(strstr(out, "\n  25 % ended the first run\n"));
+    ck_assert_ptr_nonnull(strstr(pm__expect("converge plate " TINY "--error 1%", 0, "")->out,
+                                 "\n  1 % was not reached: passes, photons or time ended it\n"));
+}
+END_TEST
+
 static void pause_ms(long ms)
 {
     const struct timespec t = {ms / 1000, ms % 1000 * 1000000};
@@ -390,4 +420,4 @@ END_TEST
 PM_TEST_MAIN("cli converge", rows_have_the_contract, fits_stand_beside_rows, watched_pixels, options_are_echoed,
              series_are_all_combinations, threads_do_not_matter, screen_is_100_columns, rows_as_tables,
              what_cannot_be_measured, every_usage_error, complete_or_absent, a_first_radius, seconds_end_it,
-             interrupted)
+             an_error_ends_it, interrupted)
