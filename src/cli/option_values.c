@@ -63,7 +63,8 @@ pm_status pm__parse_relative(const char *text, double *value, pm_error *error)
     const size_t digits = percent ? length - 1 : length;
     (void)snprintf(number, sizeof number, "%.*s", (int)(digits < sizeof number ? digits : 0), text);
     if (pm__parse_positive(number, value, NULL))
-        return pm__fail(error, PM_EINVAL, "'%.60s' is neither a percentage nor a number, above 0, as 2%% or 0.02", text);
+        return pm__fail(error, PM_EINVAL, "'%.60s' is neither a percentage nor a number, above 0, as 2%% or 0.02",
+                        text);
     *value *= percent ? 0.01 : 1.0;
     return PM_OK;
 }

@@ -28,9 +28,9 @@ typedef struct pm__converge_config {
     uint32_t passes;     /* at most, of each run; >= 1 */
     uint64_t photons;    /* emitted by a run, at most; 0: no limit. A pass is not cut */
     double seconds;      /* for all runs together; 0: no limit. The first run's passes are then those of all */
-    double error;        /* of the mean radiance: no further pass once the first run estimates that its relative rms error
-                            is no more (progressive.h), 8 passes or more; its passes are then those of all. 0: no
-                            limit, and nothing is estimated */
+    double error;        /* no further pass once the first run estimates that its rms error over the mean radiance is no
+                            more (progressive.h), but 8 passes or more; they are then those of all. 0: no limit, and
+                            nothing is estimated */
     const size_t *watched; /* points whose statistics are wanted after every recorded pass; may be NULL */
     size_t watched_count;
     void (*progress)(void *context, double fraction, const char *what); /* may be NULL */

@@ -1,4 +1,4 @@
-/* A series under way. For series.c and saved.c alone. */
+/* A series under way. For series.c, saved.c and own.c alone. */
 #ifndef PM_CONVERGE_MEASURING_H
 #define PM_CONVERGE_MEASURING_H
 
@@ -26,5 +26,12 @@ typedef struct pm__measuring {
 pm_status pm__measuring_save(const pm__measuring *m, pm__saved *saved, pm_error *error);
 /* Into a series that has been set up, and has no run in hand. EFORMAT, ENOMEM. */
 pm_status pm__measuring_restore(pm__measuring *m, const pm__saved *saved, pm_error *error);
+
+/* own.c: what runs say of their own error. What the run in hand does, over the points that are measured; that and the
+ * share of points within their bounds into the record in hand (e: as yardsticks measure); both into rows. The latter
+ * two do nothing where nothing is estimated but for rows' NAN. */
+double pm__measuring_own_error(const pm__measuring *m);
+void pm__measuring_own_record(pm__measuring *m, const float *e);
+void pm__measuring_own_average(const pm__measuring *m);
 
 #endif

@@ -9,8 +9,6 @@
 
 enum { FEWEST = 8 }; /* passes before a run's estimate of its error is believed */
 
-static const double single = 1e-6; /* rounding of errors and of positions, relative */
-
 static bool is_canceled(const pm__converge_config *config)
 {
     return config->progressive.canceled && config->progressive.canceled(config->progressive.context);
@@ -63,42 +61,6 @@ static void watch(const pm__measuring *m, const pm__run *run, size_t record)
     }
 }
 
-/* The share of points whose error is within their own bound. What is without noise is as exact as errors are kept. */
-static double share_right(const pm__measuring *m, const float *e)
-{
-    const pm__yardstick *const y = &m->yardstick;
-    double right = 0.0;
-    for (size_t v = 0; v < y->values; v++) {
-        double square = 0.0, truth = 0.0;
-        for (size_t b = 0; b < 3; b++) {
-            square += (double)e[3 * v + b] * (double)e[3 * v + b] / 3.0;
-            truth = fmax(truth, fabs(y->truth[3 * v + b]));
-        }
-        right += sqrt(square) <= pm__run_own_bound(&m->run, y->point[v], PM__CONFIDENCE) + single * truth;
-    }
-    return right / (double)y->values;
-}
-
-/* A stored reference is of pixels or blocks of them, and has an error of its own: not what a point's bound is about. */
-static bool is_exact(const pm__measuring *m)
-{
-    return strcmp(m->yardstick.name, "exact") == 0;
-}
-
-static double own_error(const pm__measuring *m)
-{
-    return pm__run_own_rel_rmse(&m->run, is_exact(m) ? m->yardstick.point : NULL, m->yardstick.values);
-}
-
-static void record_estimates(pm__measuring *m, const float *e)
-{
-    const size_t at = m->series->trials * m->room + m->record;
-    if (!m->estimated)
-        return;
-    m->estimated[at] = own_error(m);
-    m->right[at] = m->run.passes < 2 || !is_exact(m) ? (double)NAN : share_right(m, e);
-}
-
 static pm_status record(pm__measuring *m, pm_error *error)
 {
     const size_t values = 3 * m->yardstick.values, trial = m->series->trials, index = m->record;
@@ -109,7 +71,7 @@ static pm_status record(pm__measuring *m, pm_error *error)
         return status;
     float *const e = m->errors + (trial * m->room + index) * values;
     pm__yardstick_measure(&m->yardstick, m->progression.config->width, (const double(*)[3])m->radiance, e);
-    record_estimates(m, e);
+    pm__measuring_own_record(m, e);
     if (trial == 0) {
         *row = (pm__converge_row){.pass = run->passes,
                                   .photons = run->emitted,
@@ -134,7 +96,7 @@ static bool is_time_up(const pm__measuring *m)
 /* Does the first run say that it is good enough? */
 static bool is_good_enough(const pm__measuring *m)
 {
-    return m->series->trials == 0 && m->estimated && m->run.passes >= FEWEST && own_error(m) <= m->config->error;
+    return m->series->trials == 0 && m->estimated && m->run.passes >= FEWEST && pm__measuring_own_error(m) <= m->config->error;
 }
 
 static pm_status save(pm__measuring *m, pm_error *error)
@@ -265,22 +227,6 @@ static pm_status summarize(const pm__measuring *m, const pm__record_set *set, pm
     return PM_OK;
 }
 
-static void average_estimates(const pm__measuring *m)
-{
-    const double trials = (double)m->series->trials;
-    for (size_t r = 0; r < m->records; r++) {
-        pm__converge_row *const row = &m->series->rows[r];
-        double estimated = 0.0, right = 0.0;
-        for (size_t t = 0; t < m->series->trials && m->estimated; t++) {
-            estimated += m->estimated[t * m->room + r] / trials;
-            right += m->right[t * m->room + r] / trials;
-        }
-        row->estimated_rel_rmse = m->estimated ? m->estimated[r] : (double)NAN;
-        row->estimated_rel_rmse_mean = m->estimated ? estimated : (double)NAN;
-        row->estimate_right = m->estimated ? right : (double)NAN;
-    }
-}
-
 /* What slopes tend to: variance i^-alpha, bias i^(alpha - 1), the error what falls more slowly. */
 static void set_asymptotes(const pm__progressive_config *config, pm__converge_fit fits[PM__QUANTITIES])
 {
@@ -335,7 +281,7 @@ static pm_status finish(pm__measuring *m, pm_error *error)
         status = summarize(m, &set, error);
     if (status == PM_OK)
         status = pm__fit_all(&set, (const double(*)[PM__MOST_RECORDS])law, series->fits, error);
-    average_estimates(m);
+    pm__measuring_own_average(m);
     if (status == PM_OK)
         set_asymptotes(&m->config->progressive, series->fits);
     free(profile);

@@ -144,7 +144,8 @@ START_TEST(options_are_echoed)
         {"estimator", "[\"disc:last=full\",\"cone:k=1.1,last=full\"]"},
         {"alpha", "[0.5,0.8]"}, {"trials", "3"},      {"passes", "6"},          {"photons_per_pass", "2000"},
         {"photons", "3000"},    {"radius", "0.25"},   {"k", "20"},              {"size", "\"8x8\""},
-        {"seconds", "1000.0"},  {"error", "null"},  {"at", "[[1,2]]"},    {"sampler", "[\"sobol\"]"}, {"search", "\"grid\""},
+        {"seconds", "1000.0"},  {"error", "null"},  {"at", "[[1,2]]"},    {"sampler", "[\"sobol\"]"},
+        {"search", "\"grid\""},
         {"front", "\"off\""},   {"profile", "\"quick\""}, {"threads", "2"},
     };
     json_t *const options = json_object_get(root, "options");
@@ -374,6 +375,7 @@ START_TEST(an_error_ends_it)
     const char *const out = pm__expect("converge plate " TINY "--passes 1000 --error 0.25", 0, "")->out;
     ck_assert_ptr_nonnull(strstr(out, "   pass  first run  mean of runs   rmse  right points\n"));
     ck_assert_ptr_nonnull(strstr(out, "\n  25 % ended the first run\n"));
+    check_width(out);
     ck_assert_ptr_nonnull(strstr(pm__expect("converge plate " TINY "--error 1%", 0, "")->out,
                                  "\n  1 % was not reached: passes, photons or time ended it\n"));
 }

@@ -80,9 +80,9 @@ START_TEST(even_light_has_noise_alone)
 }
 END_TEST
 
-/* A point light of the height 1 lights the floor by (1 + u)^-3/2 / (4 pi), u = rho^2, with the Laplacian
- * (9 u - 6) (1 + u)^-7/2 / (4 pi): rho times the derivative by rho is 2 u f', so it is 4 u f'' + 4 f'. Discs of radius R
- * have R^2/8 of it as their bias. */
+/* A point light of the height 1 lights the floor by (1 + u)^-3/2 / (4 pi), u = rho^2, with the Laplacian (9 u - 6) (1
+ * + u)^-7/2 / (4 pi): rho times the derivative by rho is 2 u f', so it is 4 u f'' + 4 f'. Discs of radius R have R^2/8
+ * of it as their bias. */
 static double law_of_bias(const pm__hit_point *point, double radius2)
 {
     const double u = point->position[0] * point->position[0] + point->position[1] * point->position[1];

@@ -235,7 +235,8 @@ START_TEST(state_holds_all)
         progress_pass(&none, 5);
         const size_t bytes = pm__run_state_count(&p->progression) * sizeof(double);
         ck_assert_mem_eq(none.state, whole.state, pm__run_state_count(&plain->progression) * sizeof(double));
-        ck_assert_uint_eq(bytes, (pm__run_state_count(&plain->progression) + 8 * p->progression.points) * sizeof(double));
+        ck_assert_uint_eq(bytes / sizeof(double),
+                          pm__run_state_count(&plain->progression) + 8 * p->progression.points);
         p->config.parallel = &picture_two_threads;
         progress_pass(&half, 3);
         double *const saved = malloc(bytes);

@@ -16,9 +16,10 @@
  * error squared. It is ours here: h_i^6 = a / (6 b^2 i).
  *
  * Laplacian. It is that of the irradiance smoothed by the triweight kernel (curvature.h), of the variance 97.8 S / r^6
- * and with a bias of its own as r^2. With n passes bias^2 and variance fall alike for r ~ n^-1/10. Ours is r_i = REACH h_i i^(1/15), the same rate where h is at its optimum, so
- * that it follows h wherever that goes. Pass i weighs i, so that early lookups with a bad radius are forgotten as n^-2.
- * The sum of squared terms is an estimate v of the variance without any assumption on powers.
+ * and with a bias of its own as r^2. With n passes bias^2 and variance fall alike for r ~ n^-1/10. Ours is r_i = REACH
+ * h_i i^(1/15), the same rate where h is at its optimum, so that it follows h wherever that goes. Pass i weighs i, so
+ * that early lookups with a bad radius are forgotten as n^-2. The sum of squared terms is an estimate v of the variance
+ * without any assumption on powers.
  *
  * When it is known. If |lapl| is above twice its standard error, lapl^2 - v stands for its square. Else the radius is
  * that of pppm's schedule, or, where it is larger, the optimum for |lapl| + 2 sqrt v: no smaller one can be right. At

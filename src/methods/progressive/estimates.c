@@ -26,9 +26,9 @@
  * often than a single normal variable where t^2 > 1.54, whatever the bands' variances and however they are correlated
  * (Szekely and Bakirov 2003: among normal forms of the same trace a single square has the heaviest tail there).
  *
- * All points. The mean of V + B^2 - var B over points, where that of B^2 - var B is not below 0: B^2 is too large by var
- * B on average, at a single point or over all. The floor is put under the mean and not at each point: there, noise alone
- * would add 0.48 var B. The estimate is as uncertain as a mean over points that share photons.
+ * All points. The mean of V + B^2 - var B over points, where that of B^2 - var B is not below 0: B^2 is too large by
+ * var B on average, at a single point or over all. The floor is put under the mean and not at each point: there, noise
+ * alone would add 0.48 var B. The estimate is as uncertain as a mean over points that share photons.
  *
  * Passes' estimates are not kept but the answer is: x_j = j answer_j - (j - 1) answer_{j-1}, to rounding of some j
  * units in the last place of double. */
@@ -120,7 +120,8 @@ static double variance_of(const double *sums, double passes)
 pm__own_error pm__run_own_error(const pm__run *run, size_t point)
 {
     const double *const sums = sums_of(run, point), passes = (double)run->passes;
-    pm__own_error own = {.variance = variance_of(sums + SUM, passes), .bias_variance = variance_of(sums + BIAS, passes)};
+    pm__own_error own = {.variance = variance_of(sums + SUM, passes),
+                         .bias_variance = variance_of(sums + BIAS, passes)};
     for (int b = 0; b < 3; b++)
         own.bias[b] = passes < 2.0 ? (double)NAN : sums[BIAS + b] / passes;
     return own;

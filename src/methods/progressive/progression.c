@@ -26,7 +26,7 @@ static pm_status check_estimates(const pm__progressive_config *config, pm_error 
 {
     const pm__progressive *const method = method_of(config);
     if (config->estimates && !(method->averages && method->averages(config->method->values)))
-        return pm__fail(error, PM_EINVAL, "%s cannot estimate its own error: its answer is not the mean of passes",
+        return pm__fail(error, PM_EINVAL, "%s cannot estimate its own error: it is no mean of passes that but blur",
                         method->entry.name);
     return PM_OK;
 }

@@ -153,8 +153,8 @@ typedef struct pm__progressive {
     void (*answer)(const pm__run *run, const double *state, double radiance[3]);
     pm__point_view (*view)(const pm__run *run, size_t point, const double *state);
 
-    /* Is the answer the mean of the passes' estimates, each as good as it would be by itself? Only then can a run say
-     * how large its error is. NULL: no. */
+    /* Is the answer the mean of the passes' estimates, and each of these wrong by noise and by its kernel's blur alone?
+     * Only then can a run say how large its error is. NULL: no. */
     bool (*averages)(const double *values);
 
     /* For predictions. schedule: squared radius of the lookup of pass j (from 0; a fraction where not every pass finds
