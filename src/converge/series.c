@@ -96,7 +96,8 @@ static bool is_time_up(const pm__measuring *m)
 /* Does the first run say that it is good enough? */
 static bool is_good_enough(const pm__measuring *m)
 {
-    return m->series->trials == 0 && m->estimated && m->run.passes >= FEWEST && pm__measuring_own_error(m) <= m->config->error;
+    return m->series->trials == 0 && m->estimated && m->run.passes >= FEWEST &&
+           pm__measuring_own_error(m) <= m->config->error;
 }
 
 static pm_status save(pm__measuring *m, pm_error *error)
