@@ -330,6 +330,8 @@ pm_status pm__converge(const pm__converge_config *config, pm__converge_series *s
     m.start = m.saved = pm__seconds();
     if (status == PM_OK && config->from)
         status = pm__measuring_restore(&m, config->from, error);
+    if (status == PM_OK && config->from)
+        report(&m, series->trials, m.run.passes);
     if (status == PM_OK)
         status = run_trials(&m, error);
     if (status == PM_OK)

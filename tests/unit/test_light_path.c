@@ -423,6 +423,12 @@ START_TEST(passes_are_canceled)
             PM_CHECK_OK(pm__run_begin(&s->progression, 0, &run, &error), error);
             status = pm__run_pass(&run, &error);
             ck_assert_msg(status == PM_OK || strstr(error.text, "canceled"), "%s", error.text);
+            if (status != PM_OK) { /* as it was before */
+                ck_assert_uint_eq(run.passes + run.emitted + run.stored, 0);
+                const size_t fields = pm__progressive_of(&run)->fields;
+                for (size_t i = 0; i < s->progression.points * fields; i++)
+                    ck_assert(run.state[i] == 0.0);
+            }
             pm__run_end(&run);
         }
         ck_assert_int_eq(status, PM_OK);
