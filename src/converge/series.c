@@ -243,13 +243,14 @@ static void close_up(pm__measuring *m)
         memmove(m->errors + t * row, m->errors + t * room, row * sizeof *m->errors);
 }
 
-/* Of the passes that were done, where time cut them short. */
+/* Of the passes that were done, where time cut them short. Canceled, rows go without. */
 static pm_status expect_again(pm__measuring *m, pm_error *error)
 {
     if (!m->expectation.lawful || m->passes[m->records - 1] == most_passes(m->config))
         return PM_OK;
     pm__expectation_destroy(&m->expectation);
-    return pm__expectation_create(&m->progression, m->passes, m->records, &m->expectation, error);
+    const pm_status status = pm__expectation_create(&m->progression, m->passes, m->records, &m->expectation, error);
+    return status == PM_ECANCELED ? PM_OK : status;
 }
 
 static pm_status finish(pm__measuring *m, pm_error *error)
