@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#define SERIES "converge plate --method ppm,pppm --alpha 0.5,0.8 --trials 3 --passes 60 --photons-per-pass 3000 " \
+#define SERIES "converge plate --method ppm,pppm --alpha 0.5,0.8 --trials 3 --passes 100 --photons-per-pass 1000 " \
                "--size 4x4 --k 20 --at 1,2 "
 #define OFTEN "--checkpoint-seconds 0.01 "
 
@@ -62,7 +62,7 @@ static void check_same(json_t *want, json_t *got)
 static json_t *undisturbed(const char *arguments)
 {
     char all[1000];
-    (void)snprintf(all, sizeof all, "%s--json -", arguments);
+    (void)snprintf(all, sizeof all, "%s--threads 1 --json -", arguments);
     return comparable(pm__expect_json(all));
 }
 
@@ -93,7 +93,8 @@ static void check_message(const char *part)
     ck_assert_msg(strstr(text, part) != NULL, "'%s' lacks '%s'", text, part);
 }
 
-/* Interrupted again and again, by signals in turn, until it comes to its end; each time by other threads. */
+/* Interrupted again and again, by signals in turn, until it comes to its end; one thread, that a busy machine be no
+ * trouble, but for some runs of two. */
 static void interrupt_until_done(const char *series)
 {
     static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -101,13 +102,11 @@ static void interrupt_until_done(const char *series)
     json_t *const want = undisturbed(series);
     int status = 130, times = 0;
     for (; status == 130 && times < 200; times++) {
-        (void)snprintf(arguments, sizeof arguments, "%s%s--threads %d %s %s --json %s", series, OFTEN, 1 + times % 2,
+        (void)snprintf(arguments, sizeof arguments, "%s%s--threads %d %s %s --json %s", series, OFTEN, times % 4 == 2 ? 2 : 1,
                        is_there(state) ? "--resume" : "--checkpoint", state, json);
-        status = disturb(arguments, signals[times % 3], 60 + 37 * times);
-        if (status == 130 + (times % 3 == 1 ? 13 : -1)) /* ended before it watched for signals */
+        status = disturb(arguments, signals[times % 3], 30 + 25 * times);
+        if (status == 128 + signals[times % 3]) /* ended before it had begun */
             status = 130;
-        if (status == 130 && is_there(state))
-            check_message("");
     }
     ck_assert_int_eq(status, 0);
     ck_assert_int_ge(times, 3);
@@ -126,7 +125,7 @@ END_TEST
 START_TEST(other_methods_too)
 {
     set_up();
-    interrupt_until_done("converge furnace --method pm,path,light --trials 2 --passes 40 --photons-per-pass 3000 "
+    interrupt_until_done("converge furnace --method pm,path,light --trials 2 --passes 100 --photons-per-pass 1000 "
                          "--size 4x4 --k 20 ");
     tear_down();
 }
@@ -140,9 +139,9 @@ START_TEST(killed_and_resumed)
     char arguments[3 * PM__TEST_PATH];
     int status = 128 + SIGKILL, times = 0;
     for (; status == 128 + SIGKILL && times < 200; times++) {
-        (void)snprintf(arguments, sizeof arguments, "%s%s%s %s --json %s", SERIES, OFTEN,
+        (void)snprintf(arguments, sizeof arguments, "%s%s--threads 1 %s %s --json %s", SERIES, OFTEN,
                        is_there(state) ? "--resume" : "--checkpoint", state, json);
-        status = disturb(arguments, SIGKILL, 80 + 41 * times);
+        status = disturb(arguments, SIGKILL, 30 + 25 * times);
     }
     ck_assert_int_eq(status, 0);
     ck_assert_int_ge(times, 3);
@@ -181,7 +180,7 @@ START_TEST(the_message_tells_how)
         char typed[sizeof text];
         (void)snprintf(typed, sizeof typed, "%s", told + strlen("to go on: photonbench "));
         typed[strcspn(typed, "\n")] = '\0';
-        ck_assert_int_eq(disturb(typed, SIGINT, 1000), 130);
+        ck_assert_int_eq(disturb(typed, SIGINT, 400), 130);
         check_message(": of 2 series 0 were done, one was in hand\n");
         ck_assert_int_gt(pm__test_read(err, text, sizeof text), 0);
         const char *const again = strstr(text, "to go on: photonbench ");

@@ -7,7 +7,8 @@
 #include <string.h>
 
 enum { TRIALS = 3, PASSES = 6, SIDE = 4, MOST_SAVED = 64 };
-enum { GONE = 64, RECORDS = GONE + 8, DONE = RECORDS + 8, RECORD = DONE + 8, RUNNING = RECORD + 8 }; /* in what is saved */
+/* Where fields stand in what is saved. */
+enum { GONE = 64, RECORDS = GONE + 8, DONE = RECORDS + 8, RECORD = DONE + 8, RUNNING = RECORD + 8 };
 
 static const size_t watched[] = {5, 10};
 
