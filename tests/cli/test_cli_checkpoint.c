@@ -102,8 +102,8 @@ static void interrupt_until_done(const char *series)
     json_t *const want = undisturbed(series);
     int status = 130, times = 0;
     for (; status == 130 && times < 200; times++) {
-        (void)snprintf(arguments, sizeof arguments, "%s%s--threads %d %s %s --json %s", series, OFTEN, times % 4 == 2 ? 2 : 1,
-                       is_there(state) ? "--resume" : "--checkpoint", state, json);
+        (void)snprintf(arguments, sizeof arguments, "%s%s--threads %d %s %s --json %s", series, OFTEN,
+                       times % 4 == 2 ? 2 : 1, is_there(state) ? "--resume" : "--checkpoint", state, json);
         status = disturb(arguments, signals[times % 3], 30 + 25 * times);
         if (status == 128 + signals[times % 3]) /* ended before it had begun */
             status = 130;
