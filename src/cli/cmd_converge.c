@@ -41,7 +41,7 @@ static const pm__progressive *method_of(const pm__spec *spec)
 /* Does it look photons up, so that a kernel matters? */
 static bool looks_up(const pm__progressive *method)
 {
-    return method->uses_photons;
+    return method->uses_photons && !method->no_lookups;
 }
 
 /* ---- What is asked for ------------------------------------------------------------------------- */
@@ -56,7 +56,7 @@ static pm_status fill_defaults(pm__settings *s, pm_error *error)
         status = pm__default_specs(&pm__samplers, "poisson", &s->samplers, error);
     if (c->checkpoint_seconds > 0.0 && !c->checkpoint && !c->resume)
         return pm__fail(error, PM_EINVAL, "--checkpoint-seconds needs --checkpoint or --resume");
-    if (!c->checkpoint_seconds)
+    if (c->checkpoint_seconds <= 0.0)
         c->checkpoint_seconds = default_checkpoint_seconds;
     if (!c->alpha_count)
         c->alphas[c->alpha_count++] = default_alpha;
@@ -66,8 +66,6 @@ static pm_status fill_defaults(pm__settings *s, pm_error *error)
         c->passes = s->full ? FULL_PASSES : QUICK_PASSES;
     if (!c->photons_per_pass)
         c->photons_per_pass = PHOTONS;
-    if (!s->render.width)
-        s->render.width = s->render.height = SIDE;
     if (!s->search)
         s->search = pm__searches.entries[0]->name;
     return status;
@@ -107,11 +105,30 @@ static pm_status check(const pm__settings *s, pm_error *error)
     if (k_of(s) > c->photons_per_pass && wants_k(s))
         return pm__fail(error, PM_EINVAL, "--k %zu%s is more than --photons-per-pass %zu", k_of(s),
                         s->ks.count ? "" : " (the default)", c->photons_per_pass);
-    for (size_t i = 0; i < c->at_count; i++)
-        if (c->at[i][0] >= s->render.width || c->at[i][1] >= s->render.height)
-            return pm__fail(error, PM_EINVAL, "--at %zu,%zu lies outside the image of %zux%zu pixels", c->at[i][0],
-                            c->at[i][1], s->render.width, s->render.height);
     return check_files(s, error);
+}
+
+/* Without --size as many points as there are blocks of a stored reference, where one is needed. */
+static pm_status size_of(const pm__settings *s, const pm__spec *scene, size_t *width, size_t *height, pm_error *error)
+{
+    const pm__converge_options *const c = &s->converge;
+    *width = s->render.width;
+    *height = s->render.height;
+    if (!*width && !pm__converge_reference_size(scene, width, height))
+        *width = *height = SIDE;
+    for (size_t i = 0; i < c->at_count; i++)
+        if (c->at[i][0] >= *width || c->at[i][1] >= *height)
+            return pm__fail(error, PM_EINVAL, "--at %zu,%zu lies outside the image of %zux%zu pixels", c->at[i][0],
+                            c->at[i][1], *width, *height);
+    return PM_OK;
+}
+
+static pm_status check_sizes(const pm__settings *s, pm_error *error)
+{
+    pm_status status = PM_OK;
+    for (size_t i = 0, width, height; i < s->cases.count && status == PM_OK; i++)
+        status = size_of(s, &s->cases.items[i], &width, &height, error);
+    return status;
 }
 
 /* ---- Series ------------------------------------------------------------------------------------ */
@@ -210,11 +227,9 @@ static void configure(work *w)
 {
     const pm__settings *const s = w->task.settings;
     const pm__converge_options *const c = &s->converge;
-    for (size_t i = 0; i < c->at_count; i++)
-        w->watched[i] = c->at[i][1] * s->render.width + c->at[i][0];
     w->task.search = s->search;
     w->task.config = (pm__converge_config){
-        .progressive = {.width = s->render.width,
+        .progressive = {.width = s->render.width, /* 0: as the scene has it */
                         .height = s->render.height,
                         .radius = s->radius,
                         .k = k_of(s),
@@ -249,7 +264,13 @@ static pm_status measure(work *w, pm_error *error)
     config.progressive.alpha = item->alpha;
     config.from = pm__keep_from(&w->keep, w->item);
     w->resumed = config.from != NULL;
-    const pm_status status = pm__converge(&config, &item->series, error);
+    pm_status status = size_of(w->task.settings, item->scene, &config.progressive.width, &config.progressive.height,
+                               error);
+    for (size_t i = 0; i < config.watched_count; i++)
+        w->watched[i] = w->task.settings->converge.at[i][1] * config.progressive.width +
+                        w->task.settings->converge.at[i][0];
+    if (status == PM_OK)
+        status = pm__converge(&config, &item->series, error);
     if (status == PM_EFORMAT && config.from)
         return pm__keep_refuse(&w->keep, w->item, error);
     if (status == PM_EINVAL) {
@@ -337,6 +358,8 @@ static int run(pm__settings *settings)
         status = fill_defaults(settings, &error);
     if (status == PM_OK)
         status = check(settings, &error);
+    if (status == PM_OK)
+        status = check_sizes(settings, &error);
     if (status == PM_OK) {
         w.parallel = pm__parallel_for(&settings->threads);
         configure(&w);

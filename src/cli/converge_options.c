@@ -153,7 +153,7 @@ const pm__option pm__converge_option_radius = {
 const pm__option pm__converge_option_k = {
     "k", 0, "K", "photons in the first lookup, and in every one of methods that do not shrink (50)", set_k};
 const pm__option pm__converge_option_size = {
-    "size", 0, "WxH", "points, one in each pixel of the scene's image (32x32)", set_size};
+    "size", 0, "WxH", "points, one in each pixel of the scene's image (32x32, or as a reference has)", set_size};
 const pm__option pm__converge_option_seconds = {
     "seconds", 0, "S", "time for all runs of a series: fewer passes where they do not fit (none)", set_seconds};
 const pm__option pm__converge_option_at = {

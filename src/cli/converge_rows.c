@@ -54,8 +54,8 @@ const char *const pm__converge_quantity_names[PM__QUANTITIES] = {
 
 #define POINT_FIELDS(X)                                                         \
     SERIES_FIELDS(X, )                                                          \
-    X(x, pm__count_cell(point->point % from->task->config.progressive.width))   \
-    X(y, pm__count_cell(point->point / from->task->config.progressive.width))   \
+    X(x, pm__count_cell(point->point % item->series.width))                     \
+    X(y, pm__count_cell(point->point / item->series.width))                     \
     X(pass, count(point->pass))                                                 \
     X(radius, number(point->radius > 0.0 ? point->radius : (double)NAN))        \
     X(count, number(point->count))                                              \
@@ -253,7 +253,7 @@ json_t *pm__converge_options_of(const pm__converge_task *task)
     const pm__progressive_config *const p = &task->config.progressive;
     char size[48];
     json_t *const options = json_object();
-    (void)snprintf(size, sizeof size, "%zux%zu", p->width, p->height);
+    (void)snprintf(size, sizeof size, p->width ? "%zux%zu" : "auto", p->width, p->height);
     (void)json_object_set_new(options, "scene", pm__spec_names(s->cases.items, s->cases.count));
     (void)json_object_set_new(options, "method", pm__spec_names(c->methods.items, c->methods.count));
     (void)json_object_set_new(options, "estimator", pm__spec_names(s->estimators.items, s->estimators.count));

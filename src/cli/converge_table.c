@@ -114,10 +114,10 @@ static void print_triple(FILE *file, const double v[3])
             (void)fprintf(file, " %9s", "-");
 }
 
-static void print_point(FILE *file, const pm__converge_series *series, size_t number, size_t width)
+static void print_point(FILE *file, const pm__converge_series *series, size_t number)
 {
     const size_t point = series->watched[number].point;
-    (void)fprintf(file, "  at %zu,%zu\n", point % width, point / width);
+    (void)fprintf(file, "  at %zu,%zu\n", point % series->width, point / series->width);
     (void)fputs("   pass      radius     photons   radiance (R, G, B), first run     truth\n", file);
     for (size_t r = 0; r < series->row_count; r++) {
         const pm__converge_point *const p = &series->watched[r * series->watched_count + number];
@@ -134,7 +134,7 @@ static void print_point(FILE *file, const pm__converge_series *series, size_t nu
     }
 }
 
-static void print_item(FILE *file, const pm__converge_item *item, size_t width, bool colourful)
+static void print_item(FILE *file, const pm__converge_item *item, bool colourful)
 {
     const pm__converge_series *const series = &item->series;
     (void)fputc('\n', file);
@@ -153,7 +153,7 @@ static void print_item(FILE *file, const pm__converge_item *item, size_t width, 
         print_row(file, &series->rows[r]);
     print_fits(file, item, colourful);
     for (size_t i = 0; i < series->watched_count; i++)
-        print_point(file, series, i, width);
+        print_point(file, series, i);
 }
 
 static void print_legend(FILE *file)
@@ -175,7 +175,7 @@ void pm__converge_print(FILE *file, const pm__converge_task *task)
         const pm__converge_item *const item = &task->items[i];
         if (!item->status)
             continue;
-        print_item(file, item, task->config.progressive.width, colourful);
+        print_item(file, item, colourful);
         any |= item->series.row_count != 0;
     }
     if (any)

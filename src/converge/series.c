@@ -308,6 +308,8 @@ static pm_status set_up(pm__measuring *m, pm_error *error)
     *series = (pm__converge_series){.paths = m->progression.stage.subject->truth ? m->progression.stage.subject->paths
                                                                                  : "L.*D",
                                     .truth = m->yardstick.name,
+                                    .width = config->progressive.width,
+                                    .height = config->progressive.height,
                                     .points = m->yardstick.values,
                                     .all_points = m->progression.points,
                                     .truth_mean = m->yardstick.truth_mean,

@@ -55,6 +55,12 @@ bool pm__light_reach(const pm__light *light, const double point[3], const double
 bool pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
                     double radiance[3], double *distance);
 
+/* Can it be at all? */
+static inline bool pm__light_shows(const pm__light *light)
+{
+    return light->kind == PM__RECTANGLE || light->kind == PM__BALL || light->kind == PM__SUN;
+}
+
 /* EINVAL names what is not finite or out of range. */
 pm_status pm__light_check(const pm__light *light, pm_error *error);
 

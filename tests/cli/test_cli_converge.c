@@ -275,7 +275,7 @@ static const struct {
     {"converge plat", "unknown scene 'plat'; did you mean 'plate'?"},
     {"converge square", "unknown scene 'square'"},
     {"converge plate:iro=2", "did you mean 'ior'?"},
-    {"converge plate --method pmp", "--method: unknown progressive method 'pmp'; did you mean 'ppm'?"},
+    {"converge plate --method sppmm", "--method: unknown progressive method 'sppmm'; did you mean 'sppm'?"},
     {"converge plate --method visualize", "--method: unknown progressive method 'visualize'; there are: "},
     {"converge plate --method ppm:flux=new", "expected one of corrected|printed"},
     {"converge plate --estimator dsic", "--estimator: unknown estimator 'dsic'; did you mean 'disc'?"},

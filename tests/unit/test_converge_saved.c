@@ -9,6 +9,7 @@
 enum { TRIALS = 3, PASSES = 6, SIDE = 4, MOST_SAVED = 64 };
 /* Where fields stand in what is saved. */
 enum { GONE = 64, RECORDS = GONE + 8, DONE = RECORDS + 8, RECORD = DONE + 8, RUNNING = RECORD + 8 };
+enum { FIRST_PASS = RUNNING + 1 };
 
 static const size_t watched[] = {5, 10};
 
@@ -200,6 +201,12 @@ START_TEST(damage_is_refused)
         }
     for (unsigned v = 0; v < 3; v += 2) { /* no run in hand, though one is there; no truth value */
         copy.bytes[RUNNING] = (unsigned char)v;
+        check_refused(p, &copy, TRIALS, "damaged");
+    }
+    copy.bytes[RUNNING] = one->bytes[RUNNING];
+    static const uint32_t passes[4][4] = {{0, 2, 4, 6}, {1, 2, 4, 7}, {1, 4, 4, 6}, {2, 1, 4, 6}};
+    for (size_t i = 0; i < 4; i++) {
+        memcpy(copy.bytes + FIRST_PASS, passes[i], sizeof passes[i]);
         check_refused(p, &copy, TRIALS, "damaged");
     }
     free(copy.bytes);

@@ -1,10 +1,8 @@
-/* Path and light tracing pass by pass: against closed forms, against each other on every kind of light path, and as
- * runs that can be taken up again, on any number of threads. Trials are the replicates; Student's bound for a false
- * alarm in 1e-6 over the file (CHECKS comparisons, two-sided). */
+/* Path and light tracing pass by pass: against closed forms, and against each other on every kind of light path. Trials
+ * are the replicates; Student's bound for a false alarm in 1e-6 over the file (CHECKS comparisons, two-sided). */
 #include "../../src/base/gauss.h"
-#include "../../src/methods/progressive/list.h"
 #include "../../src/stats/stats.h"
-#include "../picture.h"
+#include "../progress.h"
 
 enum { SIDE = 16, POINTS = SIDE * SIDE, BLOCK = 4, BLOCKS = POINTS / (BLOCK * BLOCK), PARTS = BLOCKS + 1 };
 enum { VALUES = 3 * PARTS }; /* of blocks, and of the whole, by band */
@@ -12,28 +10,19 @@ enum { TRIALS = 64, CHECKS = 1500 };
 
 /* ---- Runs -------------------------------------------------------------------------------------- */
 
-typedef struct setting {
-    pm__spec scene, method;
-    pm_estimator *kernel; /* looked at by neither method: one that needs more than a lookup */
-    pm__progressive_config config;
-    pm__progression progression;
-} setting;
-
 /* view: NULL: the scene's own. */
-static setting *setting_open(const pm__case *scene, const pm__view *view, const char *method, size_t photons,
-                             const char *sampler, const pm_parallel *parallel)
+static progress *image_open(const pm__case *scene, const pm__view *view, const char *method, size_t photons,
+                            const char *sampler)
 {
-    setting *const s = calloc(1, sizeof *s);
-    pm_error error = {""};
-    ck_assert_ptr_nonnull(s);
+    progress *const s = progress_create("scene:furnace", method, "combined", 0.0); /* a kernel that others refuse */
     pm__spec_default(&scene->entry, &s->scene);
-    PM_CHECK_OK(pm__spec_parse(&pm__progressives, method, &s->method, &error), error);
-    PM_CHECK_OK(pm_estimator_create("combined", &s->kernel, &error), error);
-    s->config = (pm__progressive_config){.scene = &s->scene, .view = view, .width = SIDE, .height = SIDE,
-                                         .method = &s->method, .estimator = s->kernel, .photons = photons,
-                                         .seed = 3, .sampler = lit_sampler(sampler), .parallel = parallel};
-    PM_CHECK_OK(pm__progression_open(&s->config, &s->progression, &error), error);
-    return s;
+    s->config.view = view;
+    s->config.width = s->config.height = SIDE;
+    s->config.photons = photons;
+    s->config.k = 0;
+    s->config.seed = 3;
+    s->config.sampler = lit_sampler(sampler);
+    return progress_open(s);
 }
 
 static const pm__case *scene_of(const char *name)
@@ -43,31 +32,16 @@ static const pm__case *scene_of(const char *name)
     return (const pm__case *)(const void *)entry;
 }
 
-static setting *setting_of(const char *scene, const char *method, size_t photons, const char *sampler)
+static progress *image_of(const char *scene, const char *method, size_t photons, const char *sampler)
 {
-    return setting_open(scene_of(scene), NULL, method, photons, sampler, NULL);
+    return image_open(scene_of(scene), NULL, method, photons, sampler);
 }
 
-static void setting_close(setting *s)
-{
-    pm__progression_close(&s->progression);
-    pm_estimator_destroy(s->kernel);
-    free(s);
-}
-
-static void pass(pm__run *run, uint32_t count)
+static void run_trial(const progress *s, uint32_t trial, uint32_t passes, double (*radiance)[3])
 {
     pm_error error = {""};
-    for (uint32_t i = 0; i < count; i++)
-        PM_CHECK_OK(pm__run_pass(run, &error), error);
-}
-
-static void run_trial(const setting *s, uint32_t trial, uint32_t passes, double (*radiance)[3])
-{
-    pm_error error = {""};
-    pm__run run;
-    PM_CHECK_OK(pm__run_begin(&s->progression, trial, &run, &error), error);
-    pass(&run, passes);
+    pm__run run = progress_begin(s, trial);
+    progress_pass(&run, passes);
     PM_CHECK_OK(pm__run_read(&run, radiance, &error), error);
     pm__run_end(&run);
 }
@@ -90,7 +64,7 @@ static void add_up(const double (*radiance)[3], const bool *counts, double sums[
         }
 }
 
-static void run_trials(const setting *s, uint32_t passes, const bool *counts, blocks *made)
+static void run_trials(const progress *s, uint32_t passes, const bool *counts, blocks *made)
 {
     static double radiance[POINTS][3], sums[TRIALS][VALUES];
     for (uint32_t t = 0; t < TRIALS; t++) {
@@ -131,7 +105,7 @@ static void compare(const char *what, const blocks *got, const blocks *want, dou
 /* ---- Exact scenes ------------------------------------------------------------------------------ */
 
 /* What the eye meets at a place of the image. */
-static pm__hit_point met_at(const setting *s, double x, double y)
+static pm__hit_point met_at(const progress *s, double x, double y)
 {
     const pm__eye_numbers numbers = pm__eye_numbers_of(1, 0, 0, 0);
     pm__eye eye;
@@ -142,7 +116,7 @@ static pm__hit_point met_at(const setting *s, double x, double y)
 }
 
 /* A pixel is within a flat convex surface where its corners are; in a ball all are. */
-static bool is_whole(const setting *s, size_t pixel)
+static bool is_whole(const progress *s, size_t pixel)
 {
     const double x = (double)(pixel % SIDE), y = (double)(pixel / SIDE);
     const pm__hit_point first = met_at(s, x, y);
@@ -155,7 +129,7 @@ static bool is_whole(const setting *s, size_t pixel)
 }
 
 /* The mean over a pixel, by the product of two Gauss rules. */
-static void exact(const setting *s, size_t pixel, double radiance[3])
+static void exact(const progress *s, size_t pixel, double radiance[3])
 {
     enum { N = 4 };
     double nodes[N], weights[N];
@@ -172,7 +146,7 @@ static void exact(const setting *s, size_t pixel, double radiance[3])
     }
 }
 
-static void exact_blocks(const setting *s, bool *counts, blocks *want)
+static void exact_blocks(const progress *s, bool *counts, blocks *want)
 {
     static double radiance[POINTS][3];
     size_t whole = 0;
@@ -215,8 +189,8 @@ START_TEST(closed_forms)
                  {"scene:integrating-sphere", "path", "poisson", 0, 16, 0.03, NULL},
                  {"scene:glossy-plane", "path", "poisson", 0, 4, 0.01, NULL}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        setting *const s = setting_open(scene_of(cases[i].scene), cases[i].view, cases[i].method, cases[i].photons,
-                                        cases[i].sampler, NULL);
+        progress *const s = image_open(scene_of(cases[i].scene), cases[i].view, cases[i].method, cases[i].photons,
+                                      cases[i].sampler);
         static bool counts[POINTS];
         blocks got, want;
         char what[100];
@@ -224,7 +198,7 @@ START_TEST(closed_forms)
         exact_blocks(s, counts, &want);
         run_trials(s, cases[i].passes, counts, &got);
         compare(what, &got, &want, cases[i].resolved);
-        setting_close(s);
+        progress_free(s);
     }
 }
 END_TEST
@@ -233,14 +207,14 @@ END_TEST
 
 START_TEST(a_room_by_both)
 {
-    setting *const light = setting_of("scene:cornell-diffuse", "light", 4000, "poisson");
-    setting *const path = setting_of("scene:cornell-diffuse", "path", 0, "poisson");
+    progress *const light = image_of("scene:cornell-diffuse", "light", 4000, "poisson");
+    progress *const path = image_of("scene:cornell-diffuse", "path", 0, "poisson");
     blocks by_light, by_path;
     run_trials(light, 6, NULL, &by_light);
     run_trials(path, 16, NULL, &by_path);
     compare("cornell-diffuse", &by_light, &by_path, 0.04);
-    setting_close(light);
-    setting_close(path);
+    progress_free(light);
+    progress_free(path);
 }
 END_TEST
 
@@ -287,15 +261,59 @@ START_TEST(each_kind_of_path_by_both)
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const pm__case bench = {.entry = {.name = "scene:bench"}, .dimensions = 2, .paths = kinds[i].paths,
                                 .truth = no_truth, .build = build_bench, .view = view_bench};
-        setting *const light = setting_open(&bench, NULL, "light", 8000, "poisson", NULL);
-        setting *const path = setting_open(&bench, NULL, "path", 0, "poisson", NULL);
+        progress *const light = image_open(&bench, NULL, "light", 8000, "poisson");
+        progress *const path = image_open(&bench, NULL, "path", 0, "poisson");
         blocks by_light, by_path;
         ck_assert_str_eq(light->progression.expression, kinds[i].paths);
         run_trials(light, 1, NULL, &by_light);
         run_trials(path, 8, NULL, &by_path);
         compare(kinds[i].paths, &by_light, &by_path, kinds[i].resolved);
-        setting_close(light);
-        setting_close(path);
+        progress_free(light);
+        progress_free(path);
+    }
+}
+END_TEST
+
+/* A kind of light that can be seen is seen where nothing hides it, and by both: a lamp in the middle of the view. */
+static pm__light shown;
+
+static pm_status build_shown(const double *values, pm__scene *scene, pm_error *error)
+{
+    (void)values;
+    (void)error;
+    lit_floor(scene, lit_wall(scene, 0.5, 0.5, 0.5), 2.0, -1.0);
+    lit_lamp(scene, &shown);
+    return PM_OK;
+}
+
+static void view_shown(const double *values, pm__view *view)
+{
+    (void)values;
+    *view = (pm__view){.eye = {0, 0, 0}, .at = {0, 1, 0}, .up = {0, 0, 1}, .angle = 1.2};
+}
+
+START_TEST(lights_in_view_by_both)
+{
+    static const pm__light lamps[] = {
+        {.kind = PM__RECTANGLE, .power = {3, 2, 1}, .position = {-0.5, 2, -0.5}, .edge = {{1, 0, 0}, {0, 0, 1}}},
+        {.kind = PM__BALL, .power = {3, 2, 1}, .position = {0, 2, 0}, .radius = 0.5},
+        {.kind = PM__SUN, .power = {3, 2, 1}, .position = {0, 2, 0}, .direction = {0, -1, 0}, .radius = 1,
+         .angle = 0.3}};
+    const pm__case scene = {.entry = {.name = "scene:shown"}, .dimensions = 2, .build = build_shown,
+                            .view = view_shown};
+    for (size_t i = 0; i < sizeof lamps / sizeof *lamps; i++) {
+        static double radiance[2][POINTS][3];
+        const size_t middle = SIDE / 2 * SIDE + SIDE / 2;
+        shown = lamps[i];
+        for (size_t m = 0; m < 2; m++) {
+            const char *const methods[] = {"path", "light"};
+            progress *const s = image_open(&scene, NULL, methods[m], 1000, "poisson");
+            run_trial(s, 0, 2, radiance[m]);
+            for (int b = 0; b < 3; b++)
+                PM_CHECK_NEAR(radiance[m][middle][b], s->progression.fixed[middle].emitted[b], 1e-12);
+            progress_free(s);
+        }
+        ck_assert(radiance[0][middle][0] > 0.1);
     }
 }
 END_TEST
@@ -306,7 +324,7 @@ START_TEST(what_is_not_found_is_black)
     static const char *const methods[] = {"path", "light"};
     static double radiance[POINTS][3];
     for (size_t m = 0; m < 2; m++) {
-        setting *const s = setting_of("scene:plate", methods[m], 5000, "poisson");
+        progress *const s = image_of("scene:plate", methods[m], 5000, "poisson");
         bool seen = false;
         run_trial(s, 0, 2, radiance);
         for (size_t p = 0; p < POINTS; p++) {
@@ -315,142 +333,10 @@ START_TEST(what_is_not_found_is_black)
                 PM_CHECK_NEAR(radiance[p][b], 0.0, 0.0);
         }
         ck_assert(seen);
-        setting_close(s);
+        progress_free(s);
     }
 }
 END_TEST
 
-/* ---- Runs -------------------------------------------------------------------------------------- */
-
-/* Several rounds of photons, lights in view. */
-enum { MANY = 40000 };
-static const char *const both[] = {"path", "light"};
-
-START_TEST(resumed_as_undisturbed)
-{
-    static double want[POINTS][3], got[POINTS][3];
-    for (size_t m = 0; m < 2; m++) {
-        setting *const s = setting_of("scene:cornell-diffuse", both[m], MANY, "poisson");
-        pm_error error = {""};
-        pm__run first, second;
-        run_trial(s, 1, 3, want);
-        PM_CHECK_OK(pm__run_begin(&s->progression, 1, &first, &error), error);
-        PM_CHECK_OK(pm__run_begin(&s->progression, 1, &second, &error), error);
-        pass(&first, 1);
-        PM_CHECK_OK(pm__run_resume(&second, first.state, first.passes, &error), error);
-        pm__run_end(&first);
-        pass(&second, 2);
-        ck_assert_uint_eq(second.passes, 3);
-        PM_CHECK_OK(pm__run_read(&second, got, &error), error);
-        pm__run_end(&second);
-        ck_assert_msg(memcmp(want, got, sizeof want) == 0, "%s", both[m]);
-        setting_close(s);
-    }
-}
-END_TEST
-
-START_TEST(as_one_thread_so_two)
-{
-    static double want[POINTS][3], got[POINTS][3];
-    for (size_t m = 0; m < 2; m++) {
-        const pm__case *const room = scene_of("scene:cornell-diffuse");
-        setting *const one = setting_open(room, NULL, both[m], MANY, "poisson", NULL);
-        setting *const two = setting_open(room, NULL, both[m], MANY, "poisson", &picture_two_threads);
-        run_trial(one, 0, 2, want);
-        run_trial(two, 0, 2, got);
-        ck_assert_msg(memcmp(want, got, sizeof want) == 0, "%s", both[m]);
-        setting_close(one);
-        setting_close(two);
-    }
-}
-END_TEST
-
-/* Passes and trials have numbers of their own: no answer comes twice. */
-START_TEST(passes_and_trials_differ)
-{
-    static double seen[4][POINTS][3];
-    for (size_t m = 0; m < 2; m++) {
-        setting *const s = setting_of("scene:cornell-diffuse", both[m], 1000, "poisson");
-        for (uint32_t i = 0; i < 4; i++)
-            run_trial(s, i % 2, 1 + i / 2, seen[i]);
-        for (size_t i = 0; i < 4; i++)
-            for (size_t j = 0; j < i; j++)
-                ck_assert_msg(memcmp(seen[i], seen[j], sizeof seen[i]) != 0, "%s: %zu and %zu", both[m], i, j);
-        setting_close(s);
-    }
-}
-END_TEST
-
-/* What a point says of itself: photons that were joined to it; no radius. */
-START_TEST(photons_are_counted)
-{
-    setting *const s = setting_of("scene:furnace", "light", 3000, "poisson");
-    pm_error error = {""};
-    pm__run run;
-    double sum = 0.0;
-    PM_CHECK_OK(pm__run_begin(&s->progression, 0, &run, &error), error);
-    pass(&run, 2);
-    for (size_t p = 0; p < POINTS; p++) {
-        const pm__point_view view = pm__run_view(&run, p);
-        PM_CHECK_NEAR(view.radius, 0.0, 0.0);
-        sum += view.count;
-    }
-    ck_assert_uint_eq(run.emitted, 6000);
-    ck_assert(sum > 0.0 && sum < (double)run.stored);
-    pm__run_end(&run);
-    setting_close(s);
-}
-END_TEST
-
-static bool stops(void *context)
-{
-    atomic_int *const left = context;
-    return atomic_fetch_sub(left, 1) <= 0;
-}
-
-START_TEST(passes_are_canceled)
-{
-    for (size_t m = 0; m < 2; m++) {
-        setting *const s = setting_of("scene:cornell-diffuse", both[m], MANY, "poisson");
-        pm_status status = PM_ECANCELED;
-        int asked = 0;
-        for (; status == PM_ECANCELED; asked++) {
-            atomic_int left = asked * asked; /* times that it says no */
-            pm_error error = {""};
-            pm__run run;
-            s->config.canceled = stops;
-            s->config.context = &left;
-            PM_CHECK_OK(pm__run_begin(&s->progression, 0, &run, &error), error);
-            status = pm__run_pass(&run, &error);
-            ck_assert_msg(status == PM_OK || strstr(error.text, "canceled"), "%s", error.text);
-            if (status != PM_OK) { /* as it was before */
-                ck_assert_uint_eq(run.passes + run.emitted + run.stored, 0);
-                const size_t fields = pm__progressive_of(&run)->fields;
-                for (size_t i = 0; i < s->progression.points * fields; i++)
-                    ck_assert(run.state[i] == 0.0);
-            }
-            pm__run_end(&run);
-        }
-        ck_assert_int_eq(status, PM_OK);
-        ck_assert_int_gt(asked, 1);
-        setting_close(s);
-    }
-}
-END_TEST
-
-START_TEST(photons_are_needed)
-{
-    setting *const s = setting_of("scene:furnace", "light", 1, "poisson");
-    pm__progression none;
-    pm_error error = {""};
-    pm__progressive_config config = s->config;
-    config.photons = 0;
-    ck_assert_int_eq(pm__progression_open(&config, &none, &error), PM_EINVAL);
-    ck_assert_msg(strstr(error.text, "no photons"), "%s", error.text);
-    setting_close(s);
-}
-END_TEST
-
-PM_TEST_MAIN("light_path", closed_forms, a_room_by_both, each_kind_of_path_by_both, what_is_not_found_is_black,
-             resumed_as_undisturbed, as_one_thread_so_two, passes_and_trials_differ, photons_are_counted,
-             passes_are_canceled, photons_are_needed)
+PM_TEST_MAIN("light_path", closed_forms, a_room_by_both, each_kind_of_path_by_both, lights_in_view_by_both,
+             what_is_not_found_is_black)

@@ -142,12 +142,10 @@ static void join_photons(joining *work)
 
 static bool sees_lights(const pm__scene *scene)
 {
-    for (size_t i = 0; i < pm__scene_light_count(scene); i++) {
-        const pm__light_kind kind = pm__scene_light_at(scene, i)->kind;
-        if (kind == PM__RECTANGLE || kind == PM__BALL)
-            return true;
-    }
-    return false;
+    bool any = false;
+    for (size_t i = 0; i < pm__scene_light_count(scene); i++)
+        any = any || pm__light_shows(pm__scene_light_at(scene, i));
+    return any;
 }
 
 static void see_block(void *argument, size_t block)
