@@ -160,6 +160,7 @@ static void stop_a_long_run(const char *options, int number)
     const pid_t child = pm__start(line, out, err);
     for (int i = 0; i < 4000 && !is_there(state); i++)
         pause_ms(5);
+    ck_assert_msg(is_there(state), "nothing is saved while it runs");
     pause_ms(300);
     ck_assert_int_eq(kill(child, number), 0);
     ck_assert_int_eq(pm__wait(child), 130);
