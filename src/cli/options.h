@@ -37,6 +37,8 @@ typedef struct pm__converge_options {
     size_t passes, photons_per_pass, photons; /* photons: emitted by a run, at most */
     size_t at[PM__MAX_WATCHED][2];            /* pixels x, y */
     size_t at_count;
+    const char *checkpoint, *resume;          /* files */
+    double checkpoint_seconds;                /* between two */
 } pm__converge_options;
 
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
@@ -91,6 +93,9 @@ void pm__settings_init(pm__settings *settings);
 pm_status pm__options_parse(const struct pm__command *command, int argc, char **argv, pm__settings *settings,
                             pm_error *error);
 void pm__settings_free(pm__settings *settings);
+
+/* A word as a shell takes it: plain, or quoted. */
+void pm__write_word(FILE *file, const char *word);
 
 /* "sphere", "ellipsoid:3", "disc:0.01". */
 void pm__lookup_format(const pm__shape *shape, char text[48]);

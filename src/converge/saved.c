@@ -55,6 +55,9 @@ static void pass_count(tape *t, size_t *count)
 /* What the first run said of itself. */
 static void pass_row(tape *t, pm__converge_row *row)
 {
+    if (t->reading) /* the rest is not of the run: as it is before it is worked out */
+        *row = (pm__converge_row){
+            .predicted_rel_bias = NAN, .predicted_rms_bias = NAN, .predicted_rel_noise = NAN};
     pass_bytes(t, &row->pass, sizeof row->pass);
     pass_bytes(t, &row->photons, sizeof row->photons);
     pass_bytes(t, &row->seconds, sizeof row->seconds);
@@ -82,12 +85,18 @@ static bool are_passes(const pm__measuring *m, uint32_t planned)
     return ascending;
 }
 
-static void pass_run(tape *t, pm__run *run, double *state, size_t fields)
+static size_t state_count(const pm__measuring *m)
+{
+    const pm__progressive *const method = (const pm__progressive *)(const void *)m->config->progressive.method->entry;
+    return m->progression.points * method->fields;
+}
+
+static void pass_run(tape *t, pm__run *run, double *state, size_t count)
 {
     pass_bytes(t, &run->passes, sizeof run->passes);
     pass_bytes(t, &run->emitted, sizeof run->emitted);
     pass_bytes(t, &run->stored, sizeof run->stored);
-    pass_bytes(t, state, run->of->points * fields * sizeof *state);
+    pass_bytes(t, state, count * sizeof *state);
 }
 
 static void pass_errors(tape *t, pm__measuring *m)
@@ -109,11 +118,6 @@ static void pass_readings(tape *t, pm__measuring *m)
     pass_errors(t, m);
 }
 
-static size_t fields_of(const pm__measuring *m)
-{
-    return ((const pm__progressive *)(const void *)m->config->progressive.method->entry)->fields;
-}
-
 static void write_all(tape *t, pm__measuring *m)
 {
     double gone = pm__seconds() - m->start;
@@ -122,7 +126,7 @@ static void write_all(tape *t, pm__measuring *m)
     (void)pass_counts(t, m, &gone, &running);
     pass_readings(t, m);
     if (running)
-        pass_run(t, &m->run, m->run.state, fields_of(m));
+        pass_run(t, &m->run, m->run.state, state_count(m));
 }
 
 pm_status pm__measuring_save(const pm__measuring *m, pm__saved *saved, pm_error *error)
@@ -153,11 +157,11 @@ static bool is_between(const pm__measuring *m)
 static pm_status restore_run(tape *t, pm__measuring *m, pm_error *error)
 {
     pm_status status = pm__run_begin(&m->progression, (uint32_t)m->series->trials, &m->run, error);
-    double *const state = pm__alloc(m->progression.points * fields_of(m), sizeof *state);
+    double *const state = pm__alloc(state_count(m), sizeof *state);
     if (status == PM_OK && !state)
         status = pm__fail(error, PM_ENOMEM, "out of memory for %zu points", m->progression.points);
     if (status == PM_OK) {
-        pass_run(t, &m->run, state, fields_of(m));
+        pass_run(t, &m->run, state, state_count(m));
         status = t->short_of || !is_between(m) ? damaged(error)
                                                : pm__run_resume(&m->run, state, m->run.passes, error);
     }

@@ -122,6 +122,12 @@ static int pass_until(progress *s, int left, pm_status want)
     const pm_status status = pm__run_pass(&run, &error);
     ck_assert_msg(status == want, "%d left: %s", left, pm_status_text(status));
     ck_assert(status == PM_OK || strstr(error.text, "canceled"));
+    if (status != PM_OK) { /* as it was before */
+        const size_t values = s->progression.points * pm__progressive_of(&run)->fields;
+        ck_assert_uint_eq(run.passes + run.emitted + run.stored, 0);
+        for (size_t i = 0; i < values; i++)
+            ck_assert(run.state[i] == 0.0);
+    }
     pm__run_end(&run);
     return left;
 }
