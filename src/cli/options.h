@@ -29,6 +29,13 @@ typedef struct pm__render_options {
     pm__view view;
 } pm__render_options;
 
+/* What `advise` alone asks. */
+typedef struct pm__advise_options {
+    pm__specs methods;
+    double error; /* relative; 0: not given */
+    bool verify;
+} pm__advise_options;
+
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
 typedef struct pm__settings {
     uint64_t seed;  /* 1 unless given */
@@ -52,6 +59,7 @@ typedef struct pm__settings {
     double seconds;
     unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
     pm__render_options render;
+    pm__advise_options advise;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;

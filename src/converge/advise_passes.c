@@ -1,0 +1,203 @@
+/* Advice on progressive methods: pilots of some passes, extended by the law's slopes. */
+#include "advising.h"
+
+#include "../base/clock.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PILOT_PASSES = 32, PILOT_TRIALS = 4, TIMED_PASSES = 4, CHECK_TRIALS = 4, NEAR = 4, ROUNDS = 2 };
+static const double most_passes = 1e6;
+const double pm__advise_alpha = 0.667;
+
+typedef struct progress_stage {
+    const pm__advise_config *config;
+} progress_stage;
+
+static bool is_canceled(void *context)
+{
+    const progress_stage *const s = context;
+    return s->config->canceled && s->config->canceled(s->config->context);
+}
+
+static void report(void *context, double fraction, const char *what)
+{
+    const progress_stage *const s = context;
+    if (s->config->progress)
+        s->config->progress(s->config->context, fraction, what);
+}
+
+typedef struct series_order {
+    const pm__advise_config *config;
+    const pm__spec *method;
+    const pm_estimator *kernel;
+    uint64_t seed;
+} series_order;
+
+static pm__progressive_config progressive_of(const series_order *o, progress_stage *stage, bool parallel)
+{
+    return (pm__progressive_config){.scene = o->config->subject,
+                                    .width = PM__ADVISE_SIDE,
+                                    .height = PM__ADVISE_SIDE,
+                                    .method = o->method,
+                                    .estimator = o->kernel,
+                                    .alpha = pm__advise_alpha,
+                                    .k = PM__ADVISE_K,
+                                    .photons = PM__ADVISE_PASS,
+                                    .front_only = true,
+                                    .seed = o->seed,
+                                    .parallel = parallel ? o->config->parallel : NULL,
+                                    .canceled = is_canceled,
+                                    .context = stage};
+}
+
+static pm_status run_series(const series_order *o, size_t trials, uint32_t passes, pm__converge_series *series,
+                            pm_error *error)
+{
+    progress_stage stage = {o->config};
+    const pm__converge_config config = {
+        .progressive = progressive_of(o, &stage, true), .trials = trials, .passes = passes, .progress = report};
+    const pm_status status = pm__converge(&config, series, error);
+    return status == PM_OK && series->interrupted ? PM_ECANCELED : status;
+}
+
+/* Seconds of so many passes on one thread. */
+static pm_status time_passes(const series_order *o, uint32_t passes, double *seconds, pm_error *error)
+{
+    progress_stage stage = {o->config};
+    const pm__progressive_config config = progressive_of(o, &stage, false);
+    pm__progression progression;
+    pm__run run;
+    pm_status status = pm__progression_open(&config, &progression, error);
+    if (status != PM_OK)
+        return status;
+    const double start = pm__seconds();
+    status = pm__run_begin(&progression, 0, &run, error);
+    if (status == PM_OK) {
+        for (uint32_t i = 0; i < passes && status == PM_OK; i++)
+            status = is_canceled(&stage) ? PM_ECANCELED : pm__run_pass(&run, error);
+        pm__run_end(&run);
+    }
+    *seconds = pm__seconds() - start;
+    pm__progression_close(&progression);
+    return status;
+}
+
+/* Slopes of variance and squared bias against passes, as they fall. Where the method has no law, the variance falls as
+ * that of a mean. */
+static void slopes_of(const series_order *o, double *variance, double *bias2)
+{
+    const pm__progressive *const method = (const pm__progressive *)(const void *)o->method->entry;
+    *variance = method->law == PM__LAW_SHRINKING ? pm__advise_alpha : 1.0;
+    *bias2 = method->law == PM__LAW_SHRINKING ? 2.0 * (1.0 - pm__advise_alpha) : 0.0;
+}
+
+static pm__pass_law fit(const series_order *o, const pm__converge_series *series)
+{
+    pm__pass_sample samples[PM__MOST_RECORDS];
+    double variance_slope, bias2_slope;
+    for (size_t r = 0; r < series->row_count; r++) {
+        const pm__converge_row *const row = &series->rows[r];
+        const double bias = isfinite(row->predicted_rms_bias) ? row->predicted_rms_bias : row->rms_bias;
+        const double noise = isfinite(row->predicted_rel_noise) ? row->predicted_rel_noise : row->rel_noise;
+        samples[r] = (pm__pass_sample){(double)row->pass, noise * noise, bias * bias};
+    }
+    slopes_of(o, &variance_slope, &bias2_slope);
+    return pm__pass_law_fit(samples, series->row_count, variance_slope, bias2_slope);
+}
+
+static double passes_allowed(const pm__advise_config *config)
+{
+    const double by_photons = config->most_photons ? (double)config->most_photons / PM__ADVISE_PASS : most_passes;
+    return floor(fmin(most_passes, by_photons));
+}
+
+static void write_advice(const series_order *o, const pm__pass_law *law, double pass_seconds, pm__advice *a)
+{
+    const double most = passes_allowed(o->config), wanted = pm__pass_solve(law, o->config->error, most);
+    const double passes = wanted > 0.0 ? wanted : fmax(most, 1.0);
+    a->k = PM__ADVISE_K;
+    a->photons = PM__ADVISE_PASS;
+    a->passes = (uint32_t)passes;
+    a->trials = CHECK_TRIALS;
+    a->predicted_rel_noise = sqrt(law->variance_1 * pow(passes, -law->variance_slope));
+    a->predicted_rel_bias = sqrt(law->bias2_1 * pow(passes, -law->bias2_slope));
+    a->predicted_rel_rmse = pm__pass_error(law, passes);
+    a->predicted_seconds = passes * pass_seconds;
+    a->status = wanted > 0.0 ? "ok" : "unreachable";
+    if (!(wanted > 0.0))
+        (void)snprintf(a->detail, sizeof a->detail, "after %.0f passes, the most there can be, %.3g %% is left", passes,
+                       100.0 * a->predicted_rel_rmse);
+}
+
+/* Passes of the next pilot: as many as the answer's, or as the time left allows; 0: what there is is near enough. */
+static uint32_t next_passes(const pm__advising *a, const pm__advice *advice, uint32_t done, double pass_seconds)
+{
+    const double threads = a->config->threads ? (double)a->config->threads : 1.0;
+    const double fit_in = pm__advise_time_left(a) * threads / (PILOT_TRIALS * pass_seconds);
+    const double next = fmin(advice->passes, fit_in);
+    return advice->passes <= NEAR * done || next < 2.0 * done ? 0 : (uint32_t)next;
+}
+
+static pm_status study(pm__advising *a, const series_order *o, pm__advice *advice, pm_error *error)
+{
+    double seconds = 0.0;
+    uint32_t passes = (uint32_t)fmin(PILOT_PASSES, fmax(1.0, passes_allowed(o->config)));
+    pm_status status = time_passes(o, TIMED_PASSES, &seconds, error);
+    for (int round = 0; round < ROUNDS && passes && status == PM_OK; round++) {
+        pm__converge_series series;
+        status = run_series(o, PILOT_TRIALS, passes, &series, error);
+        if (status == PM_OK) {
+            const pm__pass_law law = fit(o, &series);
+            write_advice(o, &law, seconds / TIMED_PASSES, advice);
+            passes = next_passes(a, advice, passes, seconds / TIMED_PASSES);
+        }
+        pm__converge_free(&series);
+    }
+    return status;
+}
+
+static pm_status make_kernel(const pm__spec *estimator, pm_estimator **kernel, pm_error *error)
+{
+    char name[PM__MAX_SPEC];
+    pm__spec_format(estimator, name, sizeof name);
+    return pm_estimator_create(name, kernel, error);
+}
+
+pm_status pm__advise_passes(pm__advising *a, const pm__spec *method, const pm__spec *estimator, pm_error *error)
+{
+    pm__advice *const advice = &a->advice[a->count++];
+    pm_estimator *kernel = NULL;
+    *advice = (pm__advice){.method = *method, .estimator = *estimator, .status = "ok"};
+    pm_status status = make_kernel(estimator, &kernel, error);
+    const series_order o = {a->config, &advice->method, kernel, pm__advise_pilot_seed(a->config)};
+    if (status == PM_OK)
+        status = study(a, &o, advice, error);
+    pm_estimator_destroy(kernel);
+    if (status == PM_EINVAL) {
+        pm__advise_unsupported(advice, error->text);
+        status = PM_OK;
+    }
+    return status;
+}
+
+pm_status pm__advise_verify_passes(const pm__advise_config *config, pm__advice *advice, pm_error *error)
+{
+    pm_estimator *kernel = NULL;
+    pm__converge_series series = {.row_count = 0};
+    pm_status status = make_kernel(&advice->estimator, &kernel, error);
+    const series_order o = {config, &advice->method, kernel, config->seed};
+    if (status == PM_OK)
+        status = run_series(&o, advice->trials, advice->passes, &series, error);
+    if (status == PM_OK) {
+        const pm__converge_row *const last = &series.rows[series.row_count - 1];
+        advice->reached_rel_rmse = last->rel_rmse;
+        advice->reached_rel_rmse_ci95 = last->rel_rmse_ci95;
+        status = time_passes(&o, advice->passes, &advice->reached_seconds, error);
+    }
+    pm__converge_free(&series);
+    pm_estimator_destroy(kernel);
+    return status;
+}
