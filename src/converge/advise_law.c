@@ -223,15 +223,27 @@ bool pm__map_is_near(const pm__map_law *law, const pm__map_choice *choice)
 
 /* ---- Passes ------------------------------------------------------------------------------------ */
 
-/* Of the variance after i passes i^-a is a factor that is known: what is left is the same in all samples, but for the
- * first passes, where sums are not yet integrals. Hence the last half of them, each counted once. */
+/* The slope of the variance is measured where there are two samples: points that are drawn anew in each pass add noise
+ * that falls as 1 / i, so that a pilot sees something between that and the law's slope. The first passes, where sums are
+ * not yet integrals, are left out: the last half of the samples counts, each once. */
+static double measured_slope(const pm__pass_sample *samples, size_t count, double low, double high)
+{
+    line sums = {0.0, 0.0, 0.0, 0.0, 0.0};
+    for (size_t i = 0; i < count; i++)
+        line_add(&sums, 1.0, log(samples[i].passes), log(samples[i].variance));
+    const double x = sums.x / sums.weight, spread = sums.xx / sums.weight - x * x;
+    const double slope = spread > 1e-9 ? (x * sums.y - sums.xy) / sums.weight / spread : low;
+    return fmin(fmax(slope, low), high);
+}
+
 pm__pass_law pm__pass_law_fit(const pm__pass_sample *samples, size_t count, double variance_slope, double bias2_slope)
 {
-    pm__pass_law law = {0.0, variance_slope, 0.0, bias2_slope};
     const size_t first = count / 2;
+    const double slope = measured_slope(samples + first, count - first, variance_slope, fmax(variance_slope, 1.0));
+    pm__pass_law law = {0.0, slope, 0.0, bias2_slope};
     for (size_t i = first; i < count; i++) {
         const double share = 1.0 / (double)(count - first);
-        law.variance_1 += share * samples[i].variance * pow(samples[i].passes, variance_slope);
+        law.variance_1 += share * samples[i].variance * pow(samples[i].passes, slope);
         law.bias2_1 += share * samples[i].bias2 * pow(samples[i].passes, bias2_slope);
     }
     return law;

@@ -14,6 +14,7 @@ enum { FIRST_PHOTONS = 32768, LEAST_SHARES = 16, FIRST_KS = 7, LEAST_FIRST_K = 8
 enum { LEAST_K = 5, MOST_REFINEMENTS = 3, STEP = 4 };
 enum { LEAST_TRIALS = 8, MOST_TRIALS = 32, FEWEST_TRIALS = 4 };
 static const double long_run = 60.0; /* s, of a check: one that would take longer has fewer trials */
+static const double memory_share = 0.5; /* of what is free: others take some too */
 
 typedef struct candidate {
     pm__map_law law;
@@ -60,7 +61,7 @@ static double photon_bytes(void)
 static size_t trials_at_once(const pm__advise_config *config, size_t photons)
 {
     const size_t threads = config->threads ? config->threads : 1;
-    const double fit = config->memory > 0.0 ? 0.8 * config->memory / ((double)photons * photon_bytes()) : INFINITY;
+    const double fit = config->memory > 0.0 ? memory_share * config->memory / ((double)photons * photon_bytes()) : INFINITY;
     return fit < (double)threads ? 1 : threads;
 }
 
@@ -288,7 +289,7 @@ static double most_photons(const pm__advise_config *config)
 {
     double most = config->most_photons ? (double)config->most_photons : (double)PM_MAX_PHOTONS;
     if (config->memory > 0.0)
-        most = fmin(most, 0.8 * config->memory / photon_bytes());
+        most = fmin(most, memory_share * config->memory / photon_bytes());
     return floor(most);
 }
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PILOT_PASSES = 32, PILOT_TRIALS = 4, TIMED_PASSES = 4, CHECK_TRIALS = 4, NEAR = 4, ROUNDS = 2 };
+enum { PILOT_PASSES = 32, PILOT_TRIALS = 4, TIMED_PASSES = 4, CHECK_TRIALS = 4, NEAR = 2, ROUNDS = 2 };
 static const double most_passes = 1e6;
 const double pm__advise_alpha = 0.667;
 
@@ -85,8 +85,8 @@ static pm_status time_passes(const series_order *o, uint32_t passes, double *sec
     return status;
 }
 
-/* Slopes of variance and squared bias against passes, as they fall. Where the method has no law, the variance falls as
- * that of a mean. */
+/* Slopes of variance and squared bias against passes, as they fall. Where radii do not shrink, the variance falls as that
+ * of a mean, and the bias stays. */
 static void slopes_of(const series_order *o, double *variance, double *bias2)
 {
     const pm__progressive *const method = (const pm__progressive *)(const void *)o->method->entry;
