@@ -31,9 +31,9 @@ pm_status pm__speed_trace(const pm__speed_config *config, double seconds, pm__sp
     row->aa_ratio = traced.aa_ratio;
     row->aa_ci95 = traced.aa_ci95;
     (void)snprintf(row->detail, sizeof row->detail,
-                   "%.3g rays a photon; ns a ray: traced %.1f, the scene's answer %.1f, embree %.1f",
+                   "%.3g rays a photon; ns a ray: traced %.1f, scene %.1f, embree %.1f, robust %.1f",
                    rays / (double)row->photons, traced.ns_per_ray_traced, traced.ns_per_ray_scene,
-                   traced.ns_per_ray_embree);
+                   traced.ns_per_ray_embree, traced.ns_per_ray_robust);
     return PM_OK;
 }
 

@@ -26,7 +26,9 @@
     X(cornell_water)      \
     X(four_lights)        \
     X(fractal_cornell)    \
-    X(cognac)
+    X(cognac)             \
+    X(torus)              \
+    X(lamp)
 
 #define X(name) extern const pm__case pm__case_scene_##name;
 PM_SCENE_LIST(X)

@@ -48,6 +48,14 @@ static inline double pm__normalize_near(double v[3])
     return length;
 }
 
+/* The same for vectors that never are: no branch. */
+static inline void pm__normalize_known(double v[3])
+{
+    const double length = sqrt(pm__dot(v, v));
+    for (int i = 0; i < 3; i++)
+        v[i] /= length;
+}
+
 /* Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (s, t, n).
  * Duff et al. 2017, "Building an orthonormal basis, revisited". */
 static inline void pm__basis(const double n[3], double s[3], double t[3])

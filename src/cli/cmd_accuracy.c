@@ -2,6 +2,7 @@
 #include "accuracy_rows.h"
 #include "commands.h"
 #include "interrupt.h"
+#include "option_values.h"
 #include "parallel.h"
 #include "progress.h"
 #include "table.h"
@@ -17,11 +18,6 @@ enum { QUICK_TRIALS = 32, FULL_TRIALS = 400, PHOTONS = 40000, PROBES = 2048, REG
 
 static const size_t quick_ks[] = {15, 50, 200};
 static const size_t full_ks[] = {5, 10, 15, 25, 50, 100, 200, 500};
-
-static pm_status default_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error)
-{
-    return list->count ? PM_OK : pm__spec_parse_list(catalogue, text, &list->items, &list->count, error);
-}
 
 static pm_status default_counts(const size_t *values, size_t count, pm__counts *list, pm_error *error)
 {
@@ -39,11 +35,11 @@ static pm_status default_counts(const size_t *values, size_t count, pm__counts *
 static pm_status fill_defaults(pm__settings *s, pm_error *error)
 {
     static const size_t photons[] = {PHOTONS};
-    pm_status status = default_specs(&pm__cases, "all", &s->cases, error);
+    pm_status status = pm__default_specs(&pm__cases, "all", &s->cases, error);
     if (status == PM_OK)
-        status = default_specs(&pm__estimators, "all", &s->estimators, error);
+        status = pm__default_specs(&pm__estimators, "all", &s->estimators, error);
     if (status == PM_OK)
-        status = default_specs(&pm__samplers, "poisson", &s->samplers, error);
+        status = pm__default_specs(&pm__samplers, "poisson", &s->samplers, error);
     if (status == PM_OK)
         status = default_counts(photons, 1, &s->photons, error);
     if (status == PM_OK && !(s->radius > 0.0))

@@ -1,6 +1,7 @@
 /* list: what there is, from the catalogues. */
 #include "../../cases/scenes/list.h"
 #include "../../estimators/estimator.h"
+#include "../methods/progressive/progressive.h"
 #include "../methods/render.h"
 #include "../search/search.h"
 #include "commands.h"
@@ -13,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 6, TEXT_SIZE = 4096 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 7, TEXT_SIZE = 4096 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -28,7 +29,8 @@ static const kind kinds[KIND_COUNT] = {
     {"cases", "Cases", "--case NAME[:key=value[,key=value...]]", &pm__cases},
     {"scenes", "Scenes", "--case scene:NAME[:key=value[,key=value...]]", &pm__scene_cases},
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
-    {"methods", "Methods", "--method NAME[:key=value[,key=value...]]", &pm__methods},
+    {"methods", "Methods of render", "render --method NAME[:key=value[,key=value...]]", &pm__methods},
+    {"methods", "Methods of converge", "converge --method NAME[:key=value[,key=value...]]", &pm__progressives},
 };
 
 /* An entry and which kind it is of. */
@@ -205,15 +207,15 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     }
 }
 
-/* All entries of the kinds that are asked for; -1 if out of memory. */
-static int gather(listing *list, const kind *only)
+/* All entries of the kinds that `only` names (NULL: of all); -1 if out of memory. */
+static int gather(listing *list, const char *only)
 {
     size_t total = 0;
     for (size_t i = 0; i < KIND_COUNT; i++)
         total += kinds[i].catalogue->count;
     list->items = calloc(total, sizeof *list->items);
     for (size_t i = 0; list->items && i < KIND_COUNT; i++)
-        for (size_t j = 0; (!only || only == &kinds[i]) && j < kinds[i].catalogue->count; j++)
+        for (size_t j = 0; (!only || strcmp(only, kinds[i].name) == 0) && j < kinds[i].catalogue->count; j++)
             list->items[list->count++] = (thing){&kinds[i], kinds[i].catalogue->entries[j]};
     return list->items ? 0 : -1;
 }
@@ -232,14 +234,14 @@ static int refuse(const char *name)
     return PM__EXIT_USAGE;
 }
 
-static int write_listing(const pm__settings *settings, listing *list, const kind *only)
+static int write_listing(const pm__settings *settings, listing *list, const char *only)
 {
     pm_error error = {""};
     pm__sinks sinks;
     const double start = pm__seconds();
     pm_status status = pm__sinks_open(settings, true, &sinks, &error);
     if (status == PM_OK) {
-        json_t *const options = json_pack("{s:s?}", "what", only ? only->name : NULL);
+        json_t *const options = json_pack("{s:s?}", "what", only);
         const pm__results results = {
             .command = "list", .options = options, .settings = settings, .wall_s = pm__seconds() - start,
             .fields = fields, .field_count = FIELD_COUNT, .plain_count = PLAIN_COUNT,
@@ -256,11 +258,11 @@ static int write_listing(const pm__settings *settings, listing *list, const kind
 
 static int run(pm__settings *settings)
 {
-    const kind *only = NULL;
+    const char *only = NULL;
     listing list = {.count = 0};
     for (size_t i = 0; i < KIND_COUNT && settings->operand_count; i++)
         if (strcmp(settings->operands[0], kinds[i].name) == 0)
-            only = &kinds[i];
+            only = kinds[i].name;
     if (settings->operand_count && !only)
         return refuse(settings->operands[0]);
     if (gather(&list, only)) {

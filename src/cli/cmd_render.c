@@ -37,17 +37,12 @@ static bool makes_estimates(const pm__spec *method)
     return ((const pm__method *)(const void *)method->entry)->estimates;
 }
 
-static pm_status default_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error)
-{
-    return list->count ? PM_OK : pm__parse_specs(catalogue, text, list, error);
-}
-
 static pm_status fill_defaults(pm__settings *s, pm_error *error)
 {
     pm__render_options *const r = &s->render;
-    pm_status status = default_specs(&pm__estimators, "disc", &s->estimators, error);
+    pm_status status = pm__default_specs(&pm__estimators, "disc", &s->estimators, error);
     if (status == PM_OK)
-        status = default_specs(&pm__samplers, "poisson", &s->samplers, error);
+        status = pm__default_specs(&pm__samplers, "poisson", &s->samplers, error);
     if (status == PM_OK && !r->method.entry)
         status = pm__spec_parse(&pm__methods, "visualize", &r->method, error);
     if (!r->width) {

@@ -75,6 +75,11 @@ pm_status pm__parse_specs(const pm__catalogue *catalogue, const char *text, pm__
     return status;
 }
 
+pm_status pm__default_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error)
+{
+    return list->count ? PM_OK : pm__parse_specs(catalogue, text, list, error);
+}
+
 pm_status pm__parse_path(const char *text, const char **path, pm_error *error)
 {
     if (!*text)

@@ -13,6 +13,9 @@ pm_status pm__parse_path(const char *text, const char **path, pm_error *error);
 pm_status pm__parse_counts(const char *text, size_t min, size_t max, pm__counts *list, pm_error *error);
 pm_status pm__parse_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error);
 
+/* Appends `text` to a list that is still empty. */
+pm_status pm__default_specs(const pm__catalogue *catalogue, const char *text, pm__specs *list, pm_error *error);
+
 /* sphere, ellipsoid:S or disc:H; *shape keeps its front_only. */
 pm_status pm__parse_lookup(const char *text, pm__shape *shape, pm_error *error);
 

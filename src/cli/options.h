@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 32, PM__MAX_SHAPES = 8 };
+enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 32, PM__MAX_SHAPES = 8, PM__MAX_ALPHAS = 32, PM__MAX_WATCHED = 64 };
 
 /* A list of specs or numbers, as options append to it. */
 typedef struct pm__specs {
@@ -29,6 +29,15 @@ typedef struct pm__render_options {
     pm__view view;
 } pm__render_options;
 
+/* What `converge` alone asks. */
+typedef struct pm__converge_options {
+    pm__specs methods;
+    double alphas[PM__MAX_ALPHAS];
+    size_t alpha_count;
+    size_t passes, photons_per_pass, photons; /* photons: emitted by a run, at most */
+    size_t at[PM__MAX_WATCHED][2];            /* pixels x, y */
+    size_t at_count;
+} pm__converge_options;
 /* What `advise` alone asks. */
 typedef struct pm__advise_options {
     pm__specs methods;
@@ -59,6 +68,7 @@ typedef struct pm__settings {
     double seconds;
     unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
     pm__render_options render;
+    pm__converge_options converge;
     pm__advise_options advise;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];

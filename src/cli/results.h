@@ -54,6 +54,15 @@ static inline pm__cell pm__interval_cell(double low, double high)
     return (pm__cell){.type = PM__INTERVAL_OF, .number = low, .high = high};
 }
 
+/* Further rows, of another kind: they stand beside "rows" in JSON, and there only. */
+typedef struct pm__side_rows {
+    const char *name;
+    const char *const *fields;
+    size_t field_count, row_count;
+    void (*row)(void *context, size_t index, pm__cell *cells); /* as below */
+    void *context;
+} pm__side_rows;
+
 /* What a command found. */
 typedef struct pm__results {
     const char *command;
@@ -68,6 +77,8 @@ typedef struct pm__results {
     /* Fills in the cells of a row (field_count, absent before). */
     void (*row)(void *context, size_t index, pm__cell *cells);
     void *context;
+    const pm__side_rows *beside; /* [beside_count] */
+    size_t beside_count;
 } pm__results;
 
 /* One writer a format. Writes are unchecked: the file's owner checks it. */

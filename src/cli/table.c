@@ -35,6 +35,19 @@ void pm__table_number(FILE *file, int width, double value, char sign)
     (void)fprintf(file, "%*s", width, text);
 }
 
+void pm__table_interval(FILE *file, pm__interval interval, char sign)
+{
+    if (!isfinite(interval.low)) {
+        (void)fprintf(file, "%17s", "-");
+        return;
+    }
+    (void)fputs(" [", file);
+    pm__table_number(file, 6, 100.0 * interval.low, sign);
+    (void)fputs(", ", file);
+    pm__table_number(file, 6, 100.0 * interval.high, sign);
+    (void)fputc(']', file);
+}
+
 void pm__table_time(FILE *file, double ns)
 {
     const double us = ns / 1000.0;
@@ -221,19 +234,6 @@ static void print_packed(const pm__table *table, size_t first, size_t end)
     }
 }
 
-static void print_interval(const pm__table *table, pm__interval interval)
-{
-    if (!isfinite(interval.low)) {
-        (void)fprintf(table->file, "%17s", "-");
-        return;
-    }
-    (void)fputs(" [", table->file);
-    pm__table_number(table->file, 6, 100.0 * interval.low, '+');
-    (void)fputs(", ", table->file);
-    pm__table_number(table->file, 6, 100.0 * interval.high, '+');
-    (void)fputc(']', table->file);
-}
-
 static void print_long_line(const pm__table *table, const pm__accuracy_row *row, int label)
 {
     char lookup[48];
@@ -241,7 +241,7 @@ static void print_long_line(const pm__table *table, const pm__accuracy_row *row,
     print_label(table, row, label);
     (void)fprintf(table->file, " %7s", lookup);
     print_bias(table, row, 7);
-    print_interval(table, row->rel_bias_ci95);
+    pm__table_interval(table->file, row->rel_bias_ci95, '+');
     pm__table_number(table->file, 10, 100.0 * row->predicted_rel_bias, '+');
     pm__table_number(table->file, 6, 100.0 * row->rel_noise, 0);
     pm__table_number(table->file, 10, 100.0 * row->predicted_rel_noise, 0);

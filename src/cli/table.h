@@ -27,6 +27,9 @@ void pm__table_summary(const pm__table *table);
  * it, '~' to show that instead of it, 0 for numbers that have none. */
 void pm__table_number(FILE *file, int width, double value, char sign);
 
+/* An interval in percent, in 17 columns. sign: as above, '+' or 0. */
+void pm__table_interval(FILE *file, pm__interval interval, char sign);
+
 /* Microseconds in 5 columns from ns. */
 void pm__table_time(FILE *file, double ns);
 

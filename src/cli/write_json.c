@@ -72,15 +72,25 @@ static json_t *value_of(const pm__cell *cell)
     return json_null();
 }
 
-static void write_row(FILE *file, const pm__results *results, size_t index)
+static void write_row(FILE *file, const pm__side_rows *rows, size_t index)
 {
     pm__cell cells[PM__MAX_FIELDS] = {{PM__ABSENT, NULL, false, 0, 0.0, 0.0, NULL}};
-    results->row(results->context, index, cells);
-    for (size_t i = 0; i < results->field_count; i++) {
+    rows->row(rows->context, index, cells);
+    for (size_t i = 0; i < rows->field_count; i++) {
         (void)fputc(i ? ',' : '{', file);
-        write_member(file, results->fields[i], value_of(&cells[i]));
+        write_member(file, rows->fields[i], value_of(&cells[i]));
     }
     (void)fputc('}', file);
+}
+
+static void write_rows(FILE *file, const pm__side_rows *rows)
+{
+    (void)fprintf(file, "  \"%s\": [", rows->name);
+    for (size_t i = 0; i < rows->row_count; i++) {
+        (void)fputs(i ? ",\n    " : "\n    ", file);
+        write_row(file, rows, i);
+    }
+    (void)fputs(rows->row_count ? "\n  ]" : "]", file);
 }
 
 static json_t *head_of(const pm__results *results)
@@ -111,12 +121,13 @@ void pm__write_json(FILE *file, const pm__results *results)
         (void)fputs(",\n", file);
     }
     json_decref(head);
-    (void)fputs("  \"rows\": [", file);
-    for (size_t i = 0; i < results->row_count; i++) {
-        (void)fputs(i ? ",\n    " : "\n    ", file);
-        write_row(file, results, i);
+    write_rows(file, &(pm__side_rows){"rows", results->fields, results->field_count, results->row_count, results->row,
+                                      results->context});
+    for (size_t i = 0; i < results->beside_count; i++) {
+        (void)fputs(",\n", file);
+        write_rows(file, &results->beside[i]);
     }
-    (void)fputs(results->row_count ? "\n  ]\n}\n" : "]\n}\n", file);
+    (void)fputs("\n}\n", file);
 }
 
 json_t *pm__spec_names(const pm__spec *specs, size_t count)

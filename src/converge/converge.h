@@ -74,6 +74,7 @@ typedef struct pm__converge_point {
 typedef struct pm__converge_series {
     const char *paths;         /* light paths that are traced */
     const char *truth;         /* "exact" or "reference" */
+    size_t width, height;      /* of the image */
     size_t points;             /* measured, of how many */
     size_t all_points;
     double truth_mean;         /* W/(m2 sr) */
@@ -90,5 +91,8 @@ typedef struct pm__converge_series {
  * Canceled: PM_OK with `interrupted`. Free the series by pm__converge_free in any case. */
 pm_status pm__converge(const pm__converge_config *config, pm__converge_series *series, pm_error *error);
 void pm__converge_free(pm__converge_series *series);
+
+/* The size of the stored reference that is a scene's only truth; false: there is none, or it has an exact answer. */
+bool pm__converge_reference_size(const pm__spec *scene, size_t *width, size_t *height);
 
 #endif

@@ -5,7 +5,8 @@
  * independent but for their radii, which are taken as they are where photons are as dense in every pass: the share of
  * the first disc's area that the schedule says. So after i passes
  *     bias = (1/i) sum of the passes' biases,   variance = (1/i^2) sum of their variances.
- * Both are smooth in the share, so the law is worked out at some shares and read off between.
+ * One map of the photons of all passes has the law of one lookup, with that many photons. Both are smooth in the share,
+ * so the law is worked out at some shares and read off between.
  *
  * Where points are drawn anew, the mean and variance of one pass are those over the ways through mirrors and glass
  * too, of which some reach no surface: a radius that shrinks by what is found does so in passes that find one alone.
@@ -21,26 +22,27 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-enum { POINTS = 16, NODES = 12, DRAWN = 8 };
+enum { POINTS = 16, SHARES = 12, DRAWN = 8, NODES = PM__MOST_RECORDS };
 
 #define LAW_SEED 0x6c6177ull
 
-/* The law of one pass at a point, by the share of the first disc. */
-typedef struct one_pass {
+/* The law of one lookup at a point, by node: of a pass by the share of the first disc; of all photons by record. */
+typedef struct one_lookup {
     double bias[NODES], variance[NODES]; /* W/(m2 sr), and its square */
     double reached; /* the share of a pixel's points that reach a surface */
-} one_pass;
+} one_lookup;
 
 typedef struct expecting {
     const pm__progression *of;
     const pm__progressive *method;
     pm__law_rule rule;
     pm__kernel_law kernel;
-    double power, flux; /* W in a band: of what is emitted, and of each photon */
+    double power;       /* W in a band, of what is emitted */
     const uint32_t *passes;
     size_t records;
-    double shares[NODES]; /* of the first disc's area, from 1 downward; of other laws 1 alone */
     size_t nodes;
+    double shares[NODES];  /* of the first disc's area, from 1 downward; of lookups that do not shrink 1 alone */
+    size_t k[NODES], photons[NODES]; /* k 0: all within the share */
     pm__expectation *to;
 } expecting;
 
@@ -93,7 +95,7 @@ static bool tabulate(const expecting *e, const pm__probe *probe, double reach, p
 
 /* Of pooled lookups: the flux expected over the area expected, and the variance of one lookup's part in it. Kernels
  * other than the disc weigh photons by a radius that differs: not known. */
-static pm__moments pooled_moments(const expecting *e, const pm__law_grid *grid, size_t k)
+static pm__moments pooled_moments(const expecting *e, const pm__law_grid *grid, size_t k, double flux)
 {
     double area = 0.0, square = 0.0;
     for (size_t i = 0; i < grid->count; i++) {
@@ -103,7 +105,7 @@ static pm__moments pooled_moments(const expecting *e, const pm__law_grid *grid, 
     }
     if (e->kernel.rim != 1.0 || e->kernel.norm != 1.0)
         return (pm__moments){NAN, NAN};
-    const double mean = ((double)k - 1.0 + e->kernel.last) * e->flux / area;
+    const double mean = ((double)k - 1.0 + e->kernel.last) * flux / area;
     return (pm__moments){mean, mean * mean * (square / (area * area) - 1.0)};
 }
 
@@ -111,19 +113,18 @@ static pm__moments pooled_moments(const expecting *e, const pm__law_grid *grid, 
 static bool look_at(const expecting *e, const pm__hit_point *point, double first_radius, pm__moments moments[NODES])
 {
     const pm__probe probe = probe_of(point);
-    const bool shrinking = e->method->law == PM__LAW_SHRINKING;
-    const size_t k = e->of->config->k, photons = e->of->config->photons;
     pm__radial radial;
     if (isnan(share_between(e, &probe, 0.0, 1e-3)) ||
-        !tabulate(e, &probe, shrinking ? first_radius : reach_for(e, &probe, k, photons), &radial))
+        !tabulate(e, &probe, e->k[0] ? reach_for(e, &probe, e->k[0], e->photons[0]) : first_radius, &radial))
         return false;
     for (size_t n = 0; n < e->nodes; n++) {
         pm__law_grid grid;
-        const double radius = shrinking ? first_radius * sqrt(e->shares[n]) : INFINITY;
-        if (!pm__law_grid_init(&grid, &e->rule, true, &radial, shrinking ? 0 : k, photons, radius))
+        const double radius = e->k[n] ? INFINITY : first_radius * sqrt(e->shares[n]);
+        const double flux = e->power / (double)e->photons[n];
+        if (!pm__law_grid_init(&grid, &e->rule, true, &radial, e->k[n], e->photons[n], radius))
             return false;
-        moments[n] = e->method->law == PM__LAW_POOLED ? pooled_moments(e, &grid, k)
-                                                      : pm__kernel_moments(&e->kernel, &grid, e->flux);
+        moments[n] = e->method->law == PM__LAW_POOLED ? pooled_moments(e, &grid, e->k[n], flux)
+                                                      : pm__kernel_moments(&e->kernel, &grid, flux);
         if (isnan(moments[n].mean))
             return false;
     }
@@ -132,7 +133,7 @@ static bool look_at(const expecting *e, const pm__hit_point *point, double first
 
 /* Adds one of `drawn` points of a pixel to sums of the mean, its square and the variance. */
 static bool add_point(const expecting *e, const pm__hit_point *point, double first_radius, double drawn,
-                      one_pass *sums, double squares[NODES], double *truth)
+                      one_lookup *sums, double squares[NODES], double *truth)
 {
     pm__moments moments[NODES];
     double exact[3], brdf[3];
@@ -169,12 +170,12 @@ static bool is_lawful_around(const expecting *e, size_t i)
     return true;
 }
 
-static bool find_law(const expecting *e, size_t i, one_pass *law)
+static bool find_law(const expecting *e, size_t i, one_lookup *law)
 {
     const bool redraws = e->method->redraws;
     const uint32_t drawn = redraws ? DRAWN : 1;
     double squares[NODES] = {0.0}, truth = 0.0;
-    *law = (one_pass){.reached = 0.0};
+    *law = (one_lookup){.reached = 0.0};
     if (redraws && !is_lawful_around(e, i))
         return false;
     for (uint32_t s = 0; s < drawn; s++) {
@@ -198,7 +199,7 @@ static bool find_law(const expecting *e, size_t i, one_pass *law)
 /* ---- Many passes ------------------------------------------------------------------------------- */
 
 /* Between nodes bias / share and variance * share hardly change; nodes are even in the logarithm. */
-static void read_law(const expecting *e, const one_pass *law, double share, double *bias, double *variance)
+static void read_law(const expecting *e, const one_lookup *law, double share, double *bias, double *variance)
 {
     if (e->nodes == 1) {
         *bias = law->bias[0];
@@ -225,7 +226,15 @@ static uint32_t stride_at(uint32_t pass)
     return pass < 128 ? 1 : pass / 64;
 }
 
-static void sum_passes(const expecting *e, const one_pass *law, size_t i)
+static void take_records(const expecting *e, const one_lookup *law, size_t i)
+{
+    for (size_t r = 0; r < e->records; r++) {
+        e->to->bias[r * e->of->points + i] = law->bias[r];
+        e->to->variance[r * e->of->points + i] = law->variance[r];
+    }
+}
+
+static void sum_passes(const expecting *e, const one_lookup *law, size_t i)
 {
     const size_t points = e->of->points;
     double bias = 0.0, variance = 0.0;
@@ -251,11 +260,15 @@ static void expect_block(void *argument, size_t block)
     if (config->canceled && config->canceled(config->context))
         return;
     for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < e->of->points; i++) {
-        one_pass law;
+        one_lookup law;
         for (size_t r = 0; r < e->records; r++)
             e->to->bias[r * e->of->points + i] = e->to->variance[r * e->of->points + i] = NAN;
         e->to->lawful[i] = find_law(e, i, &law);
-        if (e->to->lawful[i])
+        if (!e->to->lawful[i])
+            continue;
+        if (e->method->law == PM__LAW_GROWING)
+            take_records(e, &law, i);
+        else
             sum_passes(e, &law, i);
     }
 }
@@ -273,18 +286,22 @@ static bool has_law(expecting *e)
     pm__law_rule_init(&e->rule);
     for (size_t i = 0; i < pm__scene_light_count(e->of->stage.scene); i++)
         e->power += pm__scene_light_at(e->of->stage.scene, i)->power[0];
-    e->flux = e->power / (double)config->photons;
-    return (law == PM__LAW_SHRINKING || law == PM__LAW_MEAN || law == PM__LAW_POOLED) && subject->truth &&
+    return law != PM__LAW_UNKNOWN && law != PM__LAW_UNBIASED && subject->truth &&
            subject->mass && !subject->truth_bands && !subject->brdf && subject->dimensions == 2 &&
            (!config->sampler || config->sampler->independent) && pm__kernel_law_init(&e->kernel, &e->rule, &kernel, 2);
 }
 
-static void set_shares(expecting *e)
+static void set_nodes(expecting *e)
 {
+    const pm__progressive_config *const config = e->of->config;
+    const bool shrinking = e->method->law == PM__LAW_SHRINKING, growing = e->method->law == PM__LAW_GROWING;
     const double end = fmin(share_of(e, (double)e->passes[e->records - 1]), 0.999);
-    e->nodes = e->method->schedule ? NODES : 1;
-    for (size_t n = 0; n < e->nodes; n++)
-        e->shares[n] = e->nodes > 1 ? pow(end, (double)n / (double)(e->nodes - 1)) : 1.0;
+    e->nodes = shrinking ? SHARES : growing ? e->records : 1;
+    for (size_t n = 0; n < e->nodes; n++) {
+        e->shares[n] = shrinking ? pow(end, (double)n / (SHARES - 1.0)) : 1.0;
+        e->k[n] = shrinking ? 0 : growing ? e->method->photons_of(config, e->passes[n]) : config->k;
+        e->photons[n] = config->photons * (growing ? e->passes[n] : 1);
+    }
 }
 
 pm_status pm__expectation_create(const pm__progression *progression, const uint32_t *passes, size_t records,
@@ -299,7 +316,7 @@ pm_status pm__expectation_create(const pm__progression *progression, const uint3
                    .to = expectation};
     if (!has_law(&e))
         return PM_OK;
-    set_shares(&e);
+    set_nodes(&e);
     expectation->lawful = pm__alloc_zero(points, sizeof *expectation->lawful);
     expectation->bias = pm__alloc(points * records, sizeof *expectation->bias);
     expectation->variance = pm__alloc(points * records, sizeof *expectation->variance);

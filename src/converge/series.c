@@ -70,7 +70,12 @@ static pm_status record(pm__measuring *m, pm_error *error)
     pm__yardstick_measure(&m->yardstick, m->progression.config->width, (const double(*)[3])m->radiance,
                           m->errors + (trial * m->room + index) * values);
     if (trial == 0) {
-        *row = (pm__converge_row){.pass = run->passes, .photons = run->emitted, .seconds = pm__seconds() - m->start};
+        *row = (pm__converge_row){.pass = run->passes,
+                                  .photons = run->emitted,
+                                  .seconds = pm__seconds() - m->start,
+                                  .predicted_rel_bias = NAN,
+                                  .predicted_rms_bias = NAN,
+                                  .predicted_rel_noise = NAN};
         watch(m, run, index);
     }
     m->record++;
@@ -302,6 +307,8 @@ static pm_status set_up(pm__measuring *m, pm_error *error)
     *series = (pm__converge_series){.paths = m->progression.stage.subject->truth ? m->progression.stage.subject->paths
                                                                                  : "L.*D",
                                     .truth = m->yardstick.name,
+                                    .width = config->progressive.width,
+                                    .height = config->progressive.height,
                                     .points = m->yardstick.values,
                                     .all_points = m->progression.points,
                                     .truth_mean = m->yardstick.truth_mean,

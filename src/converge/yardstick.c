@@ -117,14 +117,26 @@ static pm_status take_exact(const pm__progression *p, const bool *lawful, pm__ya
 
 /* ---- Reference --------------------------------------------------------------------------------- */
 
-/* Of the scene's defaults and its own view alone. */
-static bool has_reference(const pm__progression *p, const char *name)
+/* Of a scene's defaults. */
+static bool has_reference(const pm__spec *scene)
 {
-    const pm__entry *const entry = &p->stage.subject->entry;
     pm__spec plain;
-    pm__spec_default(entry, &plain);
-    return !p->config->view && pm__reference_exists(name) &&
-           memcmp(plain.values, p->stage.values, entry->param_count * sizeof *plain.values) == 0;
+    pm__spec_default(scene->entry, &plain);
+    return pm__reference_exists(scene->entry->name + strlen("scene:")) &&
+           memcmp(plain.values, scene->values, scene->entry->param_count * sizeof *plain.values) == 0;
+}
+
+bool pm__converge_reference_size(const pm__spec *scene, size_t *width, size_t *height)
+{
+    const pm__case *const subject = (const pm__case *)(const void *)scene->entry;
+    pm__reference reference;
+    if (subject->truth || !has_reference(scene) ||
+        pm__reference_load(scene->entry->name + strlen("scene:"), &reference, NULL) != PM_OK)
+        return false;
+    *width = reference.radiance.width;
+    *height = reference.radiance.height;
+    pm__reference_free(&reference);
+    return true;
 }
 
 static pm_status take_blocks(const pm__progression *p, const pm__image *image, pm__yardstick *y, pm_error *error)
@@ -150,7 +162,7 @@ static pm_status take_reference(const pm__progression *p, pm__yardstick *y, pm_e
 {
     const char *const name = p->stage.subject->entry.name + strlen("scene:");
     pm__reference reference;
-    if (!has_reference(p, name))
+    if (p->config->view || !has_reference(p->config->scene))
         return pm__fail(error, PM_EINVAL, "%s has no exact answer, and no stored reference but for its defaults",
                         p->stage.subject->entry.name);
     pm_status status = pm__reference_load(name, &reference, error);

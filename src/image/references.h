@@ -7,4 +7,6 @@
     X(cornell_water)          \
     X(four_lights)            \
     X(fractal_cornell)        \
-    X(cognac)
+    X(cognac)                 \
+    X(torus)                  \
+    X(lamp)

@@ -111,6 +111,15 @@ static bool scatter(pm__eye *eye)
     return scatter_by(eye, u);
 }
 
+static void stand(pm__eye *eye)
+{
+    const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
+    for (int i = 0; i < 3; i++) {
+        eye->facing[i] = sign * eye->hit.normal[i];
+        eye->outgoing[i] = -eye->direction[i];
+    }
+}
+
 /* To the next surface and what is seen on the way. false: the path ends there. */
 static bool advance(pm__eye *eye)
 {
@@ -124,28 +133,30 @@ static bool advance(pm__eye *eye)
     eye->travelled = eye->hit.distance;
     if (eye->absorption)
         pm__attenuate(eye->absorption, eye->hit.distance, eye->weight);
-    if (pm__is_rough(eye->hit.material)) {
-        const double sign = pm__dot(eye->direction, eye->hit.normal) > 0.0 ? -1.0 : 1.0;
-        for (int i = 0; i < 3; i++) {
-            eye->facing[i] = sign * eye->hit.normal[i];
-            eye->outgoing[i] = -eye->direction[i];
-        }
-    }
+    if (pm__is_rough(eye->hit.material))
+        stand(eye);
     return true;
+}
+
+pm__eye_met pm__eye_step(pm__eye *eye)
+{
+    if (eye->bounces >= LONGEST || !advance(eye))
+        return PM__EYE_ENDS;
+    if (pm__is_rough(eye->hit.material))
+        return PM__EYE_STANDS;
+    if (!scatter(eye))
+        return PM__EYE_ENDS;
+    eye->sees_lights = eye->sees_caustics;
+    return PM__EYE_PASSES;
 }
 
 bool pm__eye_follow(pm__eye *eye)
 {
-    while (eye->bounces < LONGEST) {
-        if (!advance(eye))
-            return false;
-        if (pm__is_rough(eye->hit.material))
-            return true;
-        if (!scatter(eye))
-            return false;
-        eye->sees_lights = eye->sees_caustics;
-    }
-    return false;
+    pm__eye_met met;
+    do
+        met = pm__eye_step(eye);
+    while (met == PM__EYE_PASSES);
+    return met == PM__EYE_STANDS;
 }
 
 /* ---- All ways ---------------------------------------------------------------------------------- */

@@ -42,6 +42,10 @@ void pm__eye_through(pm__eye *eye, const pm__scene *scene, const pm__camera *cam
  * samples are stratified in all the ways that there are. */
 void pm__place_in_pixel(uint64_t seed, uint64_t pixel, uint32_t pass, double at[2]);
 
+/* Goes on to the next surface, and off it where it is mirror or glass (PM__EYE_PASSES). */
+typedef enum pm__eye_met { PM__EYE_ENDS, PM__EYE_PASSES, PM__EYE_STANDS } pm__eye_met;
+pm__eye_met pm__eye_step(pm__eye *eye);
+
 /* Goes on through mirrors and glass, by chance where they both reflect and refract, to the next rough surface. false:
  * there is none. Radiance changes with the square of the index of refraction where a surface is crossed. */
 bool pm__eye_follow(pm__eye *eye);

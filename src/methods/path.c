@@ -4,16 +4,11 @@
 #include "method.h"
 #include "plan_steps.h"
 
-static bool is_seen(const pm__light *light)
-{
-    return light->kind == PM__RECTANGLE || light->kind == PM__BALL;
-}
-
 static void plan(const pm__render_job *job, pm__plan *plan, pm__needs *needs)
 {
     size_t hidden = 0;
     for (size_t i = 0; i < pm__scene_light_count(job->scene); i++)
-        hidden += !is_seen(pm__scene_light_at(job->scene, i));
+        hidden += !pm__light_shows(pm__scene_light_at(job->scene, i));
     const size_t specular = pm__count_objects(job->scene, pm__is_specular);
     pm__plan_step(plan, false, "photon map", "paths from the camera need none");
     pm__plan_step(plan, false, "caustic pass",

@@ -48,7 +48,8 @@ static void light_box(const pm__light *light, double low[3], double high[3])
     for (int a = 0; a < 3; a++) {
         const double u = light->edge[0][a], v = light->edge[1][a];
         const bool area = light->kind == PM__RECTANGLE;
-        const double r = light->kind == PM__BALL || light->kind == PM__DIRECTIONAL ? light->radius : 0.0;
+        const bool round = light->kind == PM__BALL || light->kind == PM__DIRECTIONAL || light->kind == PM__SUN;
+        const double r = round ? light->radius : 0.0;
         low[a] = light->position[a] - r + (area ? fmin(0.0, u) + fmin(0.0, v) : 0.0);
         high[a] = light->position[a] + r + (area ? fmax(0.0, u) + fmax(0.0, v) : 0.0);
     }
@@ -60,6 +61,13 @@ static void widen(double range[2], double low, double high)
     range[1] = fmax(range[1], high);
 }
 
+/* Does all of its light run one way along the axis? */
+static bool is_beam(const pm__light *light, int axis)
+{
+    return (light->kind == PM__DIRECTIONAL && light->direction[axis] != 0.0) ||
+           (light->kind == PM__SUN && fabs(light->direction[axis]) > sin(light->angle));
+}
+
 /* A beam that runs away from the plane where coordinate `axis` is `at` starts where its disc is. One that runs toward
  * it meets it from the side that it comes from, and what starts beyond meets nothing. */
 static void widen_by_light(double range[2], const pm__light *light, int axis, double at)
@@ -67,7 +75,7 @@ static void widen_by_light(double range[2], const pm__light *light, int axis, do
     double low[3], high[3];
     const double along = light->direction[axis];
     light_box(light, low, high);
-    if (light->kind == PM__DIRECTIONAL && along != 0.0) {
+    if (is_beam(light, axis)) {
         low[axis] = along < 0.0 ? fmax(low[axis], at) : low[axis];
         high[axis] = along > 0.0 ? fmin(high[axis], at) : high[axis];
         if (!(low[axis] <= high[axis]))

@@ -3,7 +3,6 @@
 #include "../base/vec3.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 static bool is_finite(const double v[3])
 {
@@ -44,4 +43,25 @@ void pm__camera_direction(const pm__camera *camera, double x, double y, double d
     for (int i = 0; i < 3; i++)
         direction[i] = camera->corner[i] + x * camera->right[i] + y * camera->down[i];
     pm__normalize(direction);
+}
+
+/* The plane at distance 1 has a point (x, y, 1) in the direction v / depth; about it a solid angle is the area there
+ * times cosine^3 of the angle to the axis: cosine for its tilt, cosine^2 for the distance. */
+bool pm__camera_project(const pm__camera *camera, const double point[3], double at[2], double *density)
+{
+    double ahead[3], off[3];
+    pm__cross(camera->right, camera->down, ahead);
+    const double area = pm__normalize(ahead); /* of a pixel on that plane */
+    for (int i = 0; i < 3; i++)
+        off[i] = point[i] - camera->eye[i];
+    const double depth = pm__dot(off, ahead);
+    if (!(depth > 0.0))
+        return false;
+    const double cosine = depth / sqrt(pm__dot(off, off));
+    for (int i = 0; i < 3; i++)
+        off[i] = off[i] / depth - camera->corner[i];
+    at[0] = pm__dot(off, camera->right) / area; /* pixels are square */
+    at[1] = pm__dot(off, camera->down) / area;
+    *density = 1.0 / (area * cosine * cosine * cosine);
+    return true;
 }

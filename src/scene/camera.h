@@ -4,6 +4,7 @@
 
 #include "../base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct pm__view {
@@ -21,5 +22,9 @@ pm_status pm__camera_init(const pm__view *view, size_t width, size_t height, pm_
 
 /* The unit direction through the point (x, y) of the image, in pixels from its upper left corner. */
 void pm__camera_direction(const pm__camera *camera, double x, double y, double direction[3]);
+
+/* Where in the image a point is seen, if nothing stands before it: at, in pixels as above, be it outside the image.
+ * density: pixels to the steradian there. false: it is not before the camera; then neither is set. */
+bool pm__camera_project(const pm__camera *camera, const double point[3], double at[2], double *density);
 
 #endif

@@ -1,78 +1,13 @@
 #include "light.h"
 
-#include "../base/turn.h"
-#include "../base/vec3.h"
+#include "light_emit.h"
 
 static const double pi = 3.14159265358979323846;
 
-/* z = 1 - below about `axis`; `below` rather than z, so that narrow cones keep their digits. */
-static void about(const double axis[3], double below, double turn, double direction[3])
-{
-    double s[3], t[3], sine, cosine;
-    pm__basis(axis, s, t);
-    pm__turn(turn, &sine, &cosine);
-    const double r = sqrt(below * (2.0 - below)), x = r * cosine, y = r * sine;
-    for (int i = 0; i < 3; i++)
-        direction[i] = x * s[i] + y * t[i] + (1.0 - below) * axis[i];
-}
-
-/* Lambert: density cos / pi. */
-static void cosine_about(const double normal[3], double u0, double u1, double direction[3])
-{
-    const double z = sqrt(1.0 - u1);
-    about(normal, u1 / (1.0 + z), u0, direction);
-}
-
-static void copy(const double from[3], double to[3])
-{
-    for (int i = 0; i < 3; i++)
-        to[i] = from[i];
-}
-
-static void on_disc(const pm__light *light, const double u[2], double position[3])
-{
-    double s[3], t[3], sine, cosine;
-    pm__basis(light->direction, s, t);
-    pm__turn(u[0], &sine, &cosine);
-    const double r = light->radius * sqrt(u[1]), x = r * cosine, y = r * sine;
-    for (int i = 0; i < 3; i++)
-        position[i] = light->position[i] + x * s[i] + y * t[i];
-}
-
 void pm__emit(const pm__light *light, const double u[4], double position[3], double direction[3])
 {
-    static const double up[3] = {0.0, 0.0, 1.0};
-    double normal[3];
-    copy(light->position, position);
-    switch (light->kind) {
-    case PM__POINT:
-        about(up, 2.0 * u[1], u[0], direction);
-        break;
-    case PM__SPOT: {
-        const double half = sin(0.5 * light->angle); /* 1 - cos(angle) = 2 sin^2(angle / 2) */
-        about(light->direction, 2.0 * half * half * u[1], u[0], direction);
-        break;
-    }
-    case PM__DIRECTIONAL:
-        on_disc(light, u, position);
-        copy(light->direction, direction);
-        break;
-    case PM__RECTANGLE:
-        for (int i = 0; i < 3; i++)
-            position[i] += u[0] * light->edge[0][i] + u[1] * light->edge[1][i];
-        pm__cross(light->edge[0], light->edge[1], normal);
-        (void)pm__normalize_near(normal);
-        cosine_about(normal, u[2], u[3], direction);
-        break;
-    case PM__BALL:
-        about(up, 2.0 * u[1], u[0], normal);
-        for (int i = 0; i < 3; i++)
-            position[i] += light->radius * normal[i];
-        for (int i = 0; i < 3 && light->inward; i++)
-            normal[i] = -normal[i];
-        cosine_about(normal, u[2], u[3], direction);
-        break;
-    }
+    const pm__lamp lamp = pm__lamp_of(light);
+    pm__lamp_emit(&lamp, light->kind, u, position, direction);
 }
 
 /* ---- Checks ---------------------------------------------------------------------------------- */
@@ -150,6 +85,11 @@ pm_status pm__light_check(const pm__light *light, pm_error *error)
         return check_edges(light, error);
     case PM__BALL:
         return check_radius(light->radius, error);
+    case PM__SUN:
+        if (!(light->angle > 0.0 && light->angle <= 0.5 * pi))
+            return pm__fail(error, PM_EINVAL, "a sun's angle is %g, not above 0 and up to pi / 2", light->angle);
+        status = check_radius(light->radius, error);
+        return status ? status : check_direction(light, error);
     }
     return pm__fail(error, PM_EINVAL, "a light's kind is %d, which is none", (int)light->kind);
 }

@@ -31,6 +31,25 @@ static double ball_radiance(const pm__light *light)
     return 1.0 / (4.0 * pi * pi * light->radius * light->radius);
 }
 
+/* Likewise of a sun, its window's area by the projected solid angle of its cone. */
+static double sun_radiance(const pm__light *light)
+{
+    const double side = pi * light->radius * sin(light->angle);
+    return 1.0 / (side * side);
+}
+
+/* How far from `origin` against the light its window is met; 0: it is not. */
+static double window_distance(const pm__light *light, const double origin[3], const double direction[3])
+{
+    double off[3];
+    for (int i = 0; i < 3; i++)
+        off[i] = light->position[i] - origin[i];
+    const double distance = pm__dot(light->direction, off) / pm__dot(light->direction, direction);
+    for (int i = 0; i < 3; i++)
+        off[i] = distance * direction[i] - off[i];
+    return distance > 0.0 && pm__dot(off, off) <= light->radius * light->radius ? distance : 0.0;
+}
+
 /* ---- Arriving ---------------------------------------------------------------------------------- */
 
 static bool reach_point(const pm__light *light, const double point[3], pm__light_sample *sample)
@@ -117,6 +136,23 @@ static bool reach_ball(const pm__light *light, const double point[3], const doub
     return true;
 }
 
+/* Uniform over the solid angle of its cone; nothing where the window leaves it dark. */
+static bool reach_sun(const pm__light *light, const double point[3], const double u[2], pm__light_sample *sample)
+{
+    double s[3], t[3];
+    const double half = sin(0.5 * light->angle), below = 2.0 * half * half; /* 1 - cosine of the cone's half */
+    const double low = u[1] * below, r = sqrt(low * (2.0 - low)), cosine = 1.0 - low;
+    const double x = r * cos(2.0 * pi * u[0]), y = r * sin(2.0 * pi * u[0]);
+    pm__basis(light->direction, s, t);
+    for (int i = 0; i < 3; i++)
+        sample->direction[i] = x * s[i] + y * t[i] - cosine * light->direction[i];
+    const double distance = window_distance(light, point, sample->direction);
+    for (int i = 0; i < 3; i++)
+        sample->position[i] = point[i] + distance * sample->direction[i];
+    fill(sample, light->power, 2.0 * pi * below * sun_radiance(light));
+    return distance > 0.0;
+}
+
 bool pm__light_reach(const pm__light *light, const double point[3], const double u[2], pm__light_sample *sample)
 {
     switch (light->kind) {
@@ -129,6 +165,8 @@ bool pm__light_reach(const pm__light *light, const double point[3], const double
         return reach_rectangle(light, point, u, sample);
     case PM__BALL:
         return light->inward ? reach_inside(light, point, u, sample) : reach_ball(light, point, u, sample);
+    case PM__SUN:
+        return reach_sun(light, point, u, sample);
     }
     return false;
 }
@@ -175,11 +213,26 @@ static double see_ball(const pm__light *light, const double origin[3], const dou
     return *distance > 0.0 && *distance <= reach ? ball_radiance(light) : 0.0;
 }
 
+/* The ray runs out by the window, within the cone: by the chord, since cosines of narrow cones have few digits. */
+static double see_sun(const pm__light *light, const double origin[3], const double direction[3], double reach,
+                      double *distance)
+{
+    const double half = sin(0.5 * light->angle);
+    double chord2 = 0.0;
+    for (int i = 0; i < 3; i++)
+        chord2 += pow(direction[i] + light->direction[i], 2);
+    if (chord2 > 4.0 * half * half)
+        return 0.0;
+    *distance = window_distance(light, origin, direction);
+    return *distance > 0.0 && *distance <= reach ? sun_radiance(light) : 0.0;
+}
+
 bool pm__light_seen(const pm__light *light, const double origin[3], const double direction[3], double reach,
                     double radiance[3], double *distance)
 {
     const double each = light->kind == PM__RECTANGLE ? see_rectangle(light, origin, direction, reach, distance)
                         : light->kind == PM__BALL    ? see_ball(light, origin, direction, reach, distance)
+                        : light->kind == PM__SUN     ? see_sun(light, origin, direction, reach, distance)
                                                      : 0.0;
     for (int b = 0; b < 3; b++)
         radiance[b] = each * light->power[b];

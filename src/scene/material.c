@@ -16,21 +16,11 @@
 #include "material.h"
 
 #include "../base/turn.h"
+#include "rough.h"
 
 enum { BANDS = 3 };
 
 static const double pi = 3.14159265358979323846;
-
-static double largest(const double v[3])
-{
-    const double larger = v[0] > v[1] ? v[0] : v[1];
-    return v[2] > larger ? v[2] : larger;
-}
-
-static double alpha_of(const pm__material *material)
-{
-    return fmax(material->roughness, 1e-6);
-}
 
 double pm__fresnel(double cosine, double eta, double *refracted)
 {
@@ -60,12 +50,6 @@ void pm__beer(const pm__material *material, double distance, double power[3])
 
 /* ---- Glossy ---------------------------------------------------------------------------------- */
 
-/* G over v: finite at grazing. */
-static double masking_over_cosine(double cosine, double alpha)
-{
-    return 2.0 / (cosine + sqrt(alpha + (1.0 - alpha) * cosine * cosine));
-}
-
 static double lobe(const double normal[3], const double in[3], const double out[3], double alpha)
 {
     double half[3], across[3];
@@ -75,38 +59,18 @@ static double lobe(const double normal[3], const double in[3], const double out[
     /* 1 - t^2 by the cross product: alpha may be far below the rounding of t^2. */
     pm__cross(normal, half, across);
     const double t = pm__dot(normal, half), w = alpha * t * t + pm__dot(across, across);
-    const double g = masking_over_cosine(pm__dot(normal, in), alpha) * masking_over_cosine(pm__dot(normal, out), alpha);
+    const double g = pm__masking_over_cosine(pm__dot(normal, in), alpha) *
+                     pm__masking_over_cosine(pm__dot(normal, out), alpha);
     return g * alpha / (4.0 * pi * w * w);
 }
 
 /* [J96a] eq. 5 to the letter, diffuse and specular scaling its terms: t^2 = 1, so Z = 1 / alpha (erratum 25). */
 static void printed_brdf(const pm__material *material, const double albedo[3], double v, double w, double value[3])
 {
-    const double alpha = alpha_of(material);
+    const double alpha = pm__alpha(material);
     const double g = 1.0 / ((alpha - alpha * v + v) * (alpha - alpha * w + w)); /* G G' / (v v') */
     for (int b = 0; b < BANDS; b++)
         value[b] = albedo[b] * (1.0 - g * v * w) / pi + material->specular[b] * g / (4.0 * pi * alpha);
-}
-
-/* A facet as seen from `from` (away from the surface), by the density of visible facets. In the frame where facets of
- * width sqrt(alpha) become those of a hemisphere, their mirrored directions are uniform over a spherical cap (Dupuy and
- * Benyoub 2023, "Sampling visible GGX normals with spherical caps"). */
-static void sample_facet(const double normal[3], const double from[3], double alpha, double u0, double u1,
-                         double facet[3])
-{
-    double s[3], t[3];
-    pm__basis(normal, s, t);
-    const double width = sqrt(alpha);
-    double view[3] = {width * pm__dot(s, from), width * pm__dot(t, from), pm__dot(normal, from)};
-    pm__normalize_near(view);
-    const double z = (1.0 - u1) * (1.0 + view[2]) - view[2];
-    double sine, cosine;
-    pm__turn(u0, &sine, &cosine);
-    const double r = sqrt(fmax(0.0, 1.0 - z * z));
-    const double x = width * (r * cosine + view[0]), y = width * (r * sine + view[1]), h = z + view[2];
-    for (int i = 0; i < 3; i++)
-        facet[i] = x * s[i] + y * t[i] + h * normal[i];
-    pm__normalize_near(facet);
 }
 
 void pm__material_brdf(const pm__material *material, const double normal[3], const double in[3], const double out[3],
@@ -122,7 +86,7 @@ void pm__material_brdf(const pm__material *material, const double normal[3], con
         printed_brdf(material, albedo, fabs(v), fabs(w), value);
         return;
     }
-    const double peak = material->kind == PM__GLOSSY ? lobe(facing, in, out, alpha_of(material)) : 0.0;
+    const double peak = material->kind == PM__GLOSSY ? lobe(facing, in, out, pm__alpha(material)) : 0.0;
     for (int b = 0; b < BANDS; b++)
         value[b] = albedo[b] / pi + material->specular[b] * peak;
 }
@@ -137,37 +101,6 @@ static void mirrored(const double normal[3], const double incoming[3], double ou
     pm__normalize_near(outgoing);
 }
 
-static void cosine_direction(const double normal[3], double u0, double u1, double outgoing[3])
-{
-    double s[3], t[3], sine, cosine;
-    pm__basis(normal, s, t);
-    pm__turn(u0, &sine, &cosine);
-    const double r = sqrt(u1), x = r * cosine, y = r * sine, z = sqrt(1.0 - u1);
-    for (int i = 0; i < 3; i++)
-        outgoing[i] = x * s[i] + y * t[i] + z * normal[i];
-}
-
-typedef struct chances {
-    double diffuse, specular; /* the rest: absorption */
-} chances;
-
-/* Erratum 20: the course's P_d + P_s may pass 1. Their sum must be the largest band of what goes on over the largest
- * that came, shared out by the power that goes each way. */
-static chances roulette(const double diffuse[3], const double specular[3], const double power[3])
-{
-    double on[3], by_diffuse = 0.0, by_both = 0.0;
-    for (int b = 0; b < BANDS; b++) {
-        on[b] = (diffuse[b] + specular[b]) * power[b];
-        by_diffuse += diffuse[b] * power[b];
-        by_both += on[b];
-    }
-    if (!(by_both > 0.0))
-        return (chances){0.0, 0.0};
-    const double share = largest(on) / largest(power), total = share < 1.0 ? share : 1.0;
-    const double p = total * by_diffuse / by_both;
-    return (chances){p, total - p};
-}
-
 static void scale(double power[3], const double albedo[3], double factor)
 {
     for (int b = 0; b < BANDS; b++)
@@ -178,32 +111,32 @@ static pm__event scatter_diffuse(const double albedo[3], const double facing[3],
                                  double outgoing[3])
 {
     const double none[3] = {0.0, 0.0, 0.0};
-    const double chance = roulette(albedo, none, power).diffuse;
+    const double chance = pm__roulette(albedo, none, power).diffuse;
     if (!(u[0] < chance))
         return PM__ABSORBED;
     scale(power, albedo, 1.0 / chance);
-    cosine_direction(facing, u[1], u[2], outgoing);
+    pm__cosine_direction(facing, u[1], u[2], outgoing);
     return PM__REFLECTED_DIFFUSE;
 }
 
 static pm__event scatter_glossy(const pm__material *material, const double albedo[3], const double facing[3],
                                 const double incoming[3], const double u[3], double power[3], double outgoing[3])
 {
-    const chances chance = roulette(albedo, material->specular, power);
+    const pm__chances chance = pm__roulette(albedo, material->specular, power);
     if (u[0] < chance.diffuse) {
         scale(power, albedo, 1.0 / chance.diffuse);
-        cosine_direction(facing, u[1], u[2], outgoing);
+        pm__cosine_direction(facing, u[1], u[2], outgoing);
         return PM__REFLECTED_DIFFUSE;
     }
     const double rest = (u[0] - chance.diffuse) / chance.specular; /* uniform again, or not below 1 */
     if (!(rest < 1.0))
         return PM__ABSORBED;
-    const double alpha = alpha_of(material), from[3] = {-incoming[0], -incoming[1], -incoming[2]};
+    const double alpha = pm__alpha(material), from[3] = {-incoming[0], -incoming[1], -incoming[2]};
     double facet[3];
-    sample_facet(facing, from, alpha, u[1], u[2], facet);
+    pm__sample_facet(facing, from, alpha, u[1], u[2], facet);
     mirrored(facet, incoming, outgoing);
     const double cosine = pm__dot(facing, outgoing);
-    if (!(cosine > 0.0 && rest < cosine * masking_over_cosine(cosine, alpha)))
+    if (!(cosine > 0.0 && rest < cosine * pm__masking_over_cosine(cosine, alpha)))
         return PM__ABSORBED;
     scale(power, material->specular, 1.0 / chance.specular);
     return PM__REFLECTED_SPECULAR;
@@ -214,11 +147,11 @@ static pm__event scatter_printed(const pm__material *material, const double albe
                                  const double incoming[3], const double u[3], double power[3], double outgoing[3])
 {
     double value[3], on[3];
-    cosine_direction(facing, u[1], u[2], outgoing);
+    pm__cosine_direction(facing, u[1], u[2], outgoing);
     printed_brdf(material, albedo, -pm__dot(facing, incoming), pm__dot(facing, outgoing), value);
     for (int b = 0; b < BANDS; b++)
         on[b] = pi * value[b] * power[b];
-    const double chance = fmin(1.0, largest(on) / largest(power));
+    const double chance = fmin(1.0, pm__largest(on) / pm__largest(power));
     if (!(u[0] < chance))
         return PM__ABSORBED;
     for (int b = 0; b < BANDS; b++)
@@ -230,7 +163,7 @@ static pm__event scatter_mirror(const double reflectance[3], const double facing
                                 double power[3], double outgoing[3])
 {
     const double none[3] = {0.0, 0.0, 0.0};
-    const double chance = roulette(none, reflectance, power).specular;
+    const double chance = pm__roulette(none, reflectance, power).specular;
     if (!(u < chance))
         return PM__ABSORBED;
     scale(power, reflectance, 1.0 / chance);
@@ -275,7 +208,7 @@ static pm__event scatter_glass(const pm__material *material, bool front, const d
 pm__event pm__scatter(const pm__material *material, const double normal[3], const double incoming[3], const double u[3],
                       double power[3], double outgoing[3])
 {
-    if (!(largest(power) > 0.0))
+    if (!(pm__largest(power) > 0.0))
         return PM__ABSORBED;
     const bool front = pm__dot(normal, incoming) < 0.0;
     const double sign = front ? 1.0 : -1.0, facing[3] = {sign * normal[0], sign * normal[1], sign * normal[2]};

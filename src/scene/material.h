@@ -71,6 +71,12 @@ static inline const double *pm__medium_before(const pm__material *glass, const d
 void pm__material_brdf(const pm__material *material, const double normal[3], const double in[3], const double out[3],
                        double value[3]);
 
+/* Of a glossy material: its roughness, kept off 0. */
+static inline double pm__alpha(const pm__material *material)
+{
+    return fmax(material->roughness, 1e-6);
+}
+
 /* Is light stored here: can it leave in other directions than the mirrored ones? */
 static inline bool pm__is_rough(const pm__material *material)
 {

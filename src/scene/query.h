@@ -42,6 +42,11 @@ bool pm__query_take(pm__query *q, const pm__geometry *geometry, uint32_t number)
 void pm__query_take_few(pm__query *q);
 bool pm__query_meets_few(pm__query *q);
 
+/* Asks Embree beside them, from where the ray enters its box (m; 0: it starts there) to where it leaves it; true:
+ * something is nearer. And what the first hit is. */
+bool pm__query_ask_embree(pm__query *q, double enter, double leave);
+void pm__query_hit(const pm__query *q, pm__hit *hit);
+
 /* Where the first hit is, on the shape to rounding, and the unit normal there. */
 void pm__query_settle(const pm__query *q, double position[3], double normal[3]);
 

@@ -15,18 +15,17 @@ static float embree_reach(const pm__query *q, double distance)
     return (float)(distance - q->start + PM__SHIFT * q->scene->extent);
 }
 
-/* Where the ray enters the box of what Embree holds; false: it passes by, within its reach. */
-static bool enter_box(const pm__query *q, double *enter, double *leave)
+/* Where the ray enters the box, padded, and leaves it; false: it passes by, within its reach. */
+static bool enter_box(const pm__query *q, const double low[3], const double high[3], double *enter, double *leave)
 {
-    const pm__scene *const scene = q->scene;
-    const double padding = PM__PADDING * scene->extent;
+    const double padding = PM__PADDING * q->scene->extent;
     *enter = 0.0;
     *leave = q->ray.reach;
     for (int axis = 0; axis < 3; axis++) {
-        const double low = scene->low[axis] - padding, high = scene->high[axis] + padding;
+        const double least = low[axis] - padding, most = high[axis] + padding;
         const double at = q->ray.origin[axis], rate = 1.0 / q->ray.direction[axis];
         /* A product 0 * inf is on the padded box and parallel to it: comparisons with NaN pass it over. */
-        const double a = ((rate < 0.0 ? high : low) - at) * rate, b = ((rate < 0.0 ? low : high) - at) * rate;
+        const double a = ((rate < 0.0 ? most : least) - at) * rate, b = ((rate < 0.0 ? least : most) - at) * rate;
         *enter = a > *enter ? a : *enter;
         *leave = b < *leave ? b : *leave;
     }
@@ -41,16 +40,26 @@ static bool is_within(const pm__scene *scene, const double position[3])
     return true;
 }
 
-/* Gives Embree the part of the ray within the scene's box, so that its float origin is never coarser than the scene;
- * false: the ray passes by, or Embree holds nothing. */
-static bool start_ray(pm__query *q, struct RTCRay *ray)
+/* Does it enter the box of what Embree holds? *enter, *leave: the box of all shapes, so that what Embree answers does
+ * not depend on which of them it holds. */
+static bool is_embrees(const pm__query *q, double *enter, double *leave)
 {
     const pm__scene *const scene = q->scene;
-    const double *const o = q->ray.origin, *const d = q->ray.direction;
-    double enter = 0.0, leave = q->ray.reach;
-    if (scene->kept_count == scene->geometry_count || (!is_within(scene, o) && !enter_box(q, &enter, &leave)))
+    if (scene->kept_count == scene->geometry_count ||
+        (scene->kept_count > 0 && !enter_box(q, scene->held_low, scene->held_high, enter, leave)))
         return false;
-    q->start = enter - PM__SHIFT * scene->extent;
+    if (!is_within(scene, q->ray.origin))
+        return enter_box(q, scene->low, scene->high, enter, leave);
+    *enter = 0.0;
+    *leave = q->ray.reach;
+    return true;
+}
+
+/* Gives Embree the part of the ray within the scene's box, so that its float origin is never coarser than the scene. */
+static void start_ray(pm__query *q, double enter, double leave, struct RTCRay *ray)
+{
+    const double *const o = q->ray.origin, *const d = q->ray.direction;
+    q->start = enter - PM__SHIFT * q->scene->extent;
     *ray = (struct RTCRay){.org_x = (float)(o[0] + q->start * d[0]),
                            .org_y = (float)(o[1] + q->start * d[1]),
                            .org_z = (float)(o[2] + q->start * d[2]),
@@ -60,27 +69,36 @@ static bool start_ray(pm__query *q, struct RTCRay *ray)
                            .tfar = embree_reach(q, leave),
                            .mask = 0xffffffff};
     rtcInitIntersectContext(&q->context);
-    return true;
+}
+
+bool pm__query_ask_embree(pm__query *q, double enter, double leave)
+{
+    struct RTCRayHit embree;
+    const uint32_t before = q->shape;
+    start_ray(q, enter, leave, &embree.ray);
+    embree.hit = (struct RTCHit){.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}};
+    rtcIntersect1(q->scene->rays, &q->context, &embree);
+    return q->shape != before;
 }
 
 /* The first hit of the ray, if any, becomes the query's. */
 static void find_first(pm__query *q)
 {
-    struct RTCRayHit embree;
+    double enter, leave;
     pm__query_take_few(q);
-    if (!start_ray(q, &embree.ray))
-        return;
-    embree.hit = (struct RTCHit){.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}};
-    rtcIntersect1(q->scene->rays, &q->context, &embree);
+    if (is_embrees(q, &enter, &leave))
+        (void)pm__query_ask_embree(q, enter, leave);
 }
 
 static bool find_any(pm__query *q)
 {
     struct RTCRay embree;
+    double enter, leave;
     if (pm__query_meets_few(q))
         return true;
-    if (!start_ray(q, &embree))
+    if (!is_embrees(q, &enter, &leave))
         return false;
+    start_ray(q, enter, leave, &embree);
     rtcOccluded1(q->scene->rays, &q->context, &embree);
     return embree.tfar < 0.0f;
 }
@@ -240,6 +258,17 @@ static bool begin(pm__query *q, const pm__scene *scene, const double origin[3], 
     return isfinite(sum);
 }
 
+void pm__query_hit(const pm__query *q, pm__hit *hit)
+{
+    hit->distance = q->ray.reach;
+    hit->shape = q->shape;
+    hit->material = &q->met->scene->materials[q->met->material];
+    if (q->place)
+        settle_placed(q, hit->position, hit->normal);
+    else
+        pm__query_settle(q, hit->position, hit->normal);
+}
+
 bool pm__scene_intersect(const pm__scene *scene, const double origin[3], const double direction[3], double reach,
                          uint32_t from, pm__hit *hit)
 {
@@ -250,16 +279,9 @@ bool pm__scene_intersect(const pm__scene *scene, const double origin[3], const d
     if (!begin(&q, scene, origin, from, PM__NO_SHAPE))
         return false;
     find_first(&q);
-    if (!q.met)
-        return false;
-    hit->distance = q.ray.reach;
-    hit->shape = q.shape;
-    hit->material = &q.met->scene->materials[q.met->material];
-    if (q.place)
-        settle_placed(&q, hit->position, hit->normal);
-    else
-        pm__query_settle(&q, hit->position, hit->normal);
-    return true;
+    if (q.met)
+        pm__query_hit(&q, hit);
+    return q.met;
 }
 
 bool pm__scene_blocked(const pm__scene *scene, const double a[3], uint32_t from, const double b[3], uint32_t to)

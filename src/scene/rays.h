@@ -34,7 +34,20 @@ typedef struct pm__geometry {
 } pm__geometry;
 
 /* Exact shapes that Embree does not hold, at most. */
-enum { PM__MOST_SINGLE = 8 };
+enum { PM__MOST_SINGLE = 8, PM__MOST_KEPT = PM__MOST_FLATS + PM__MOST_SINGLE };
+
+/* Those shapes together, by ascending numbers, and behind them (PM__MOST_KEPT) none. Of shapes that are not flat the
+ * normal is 0. */
+typedef struct pm__few {
+    double corner[3][PM__MOST_KEPT + 1], normal[3][PM__MOST_KEPT + 1];
+    int64_t shape[PM__MOST_KEPT + 1];
+    const pm__material *material[PM__MOST_KEPT + 1];
+    const pm__geometry *kept[PM__MOST_KEPT];
+    /* Of spheres (axes: 3) and cylinders (2); radius 0: it is neither. sign: -1 where the normal points inward. */
+    double radius[PM__MOST_KEPT + 1], centre[3][PM__MOST_KEPT + 1], sign[PM__MOST_KEPT + 1];
+    int64_t axes[PM__MOST_KEPT + 1];
+    size_t round_count, wave_count;
+} pm__few;
 
 struct pm__scene {
     RTCDevice device;
@@ -44,6 +57,7 @@ struct pm__scene {
     pm__geometry **geometries; /* each stays where it is: Embree keeps its address */
     /* The exact shapes, unless they are many: Embree does not hold them. Flat ones (if not too few), and others. */
     pm__flats *flats; /* NULL: none */
+    pm__few *few;
     const pm__geometry *flat[PM__MOST_FLATS], *single[PM__MOST_SINGLE];
     size_t single_count, kept_count; /* those and the flat ones */
     size_t material_count, material_capacity, light_count, light_capacity, geometry_count, geometry_capacity;
@@ -55,6 +69,7 @@ struct pm__scene {
     pm__object *objects;    /* known once committed */
     size_t object_count;
     double low[3], high[3]; /* the box of all shapes, m */
+    double held_low[3], held_high[3]; /* of those that Embree holds; known once committed */
     double extent;          /* the largest coordinate of that box, m; known once committed */
     double rounding;        /* as extent, of the whole's box carried into this part: what positions are rounded to */
     bool committed;

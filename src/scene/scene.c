@@ -98,6 +98,7 @@ void pm__scene_destroy(pm__scene *scene)
         destroy_geometry(scene->geometries[i]);
     free(scene->geometries);
     free(scene->flats);
+    free(scene->few);
     free(scene->objects);
     free(scene->materials);
     free(scene->lights);
@@ -299,10 +300,31 @@ static bool is_exact(const pm__geometry *geometry)
     return !geometry->planes && !geometry->part;
 }
 
+static void list_kept(pm__scene *scene, const pm__geometry *geometry)
+{
+    const size_t at = scene->kept_count++;
+    const pm__shape *const shape = &geometry->shape;
+    pm__few *const few = scene->few;
+    const bool is_wave = shape->kind == PM__SHAPE_WAVE, is_round = !is_flat(geometry) && !is_wave;
+    few->kept[at] = geometry;
+    few->shape[at] = geometry->first;
+    few->material[at] = &scene->materials[geometry->material];
+    few->round_count += is_round;
+    few->wave_count += is_wave;
+    few->radius[at] = is_round ? shape->radius : 0.0;
+    few->axes[at] = shape->kind == PM__SHAPE_SPHERE ? 3 : 2;
+    few->sign[at] = shape->inward ? -1.0 : 1.0;
+    for (int axis = 0; axis < 3; axis++) {
+        few->centre[axis][at] = shape->centre[axis];
+        few->corner[axis][at] = is_flat(geometry) ? shape->centre[axis] : 0.0;
+        few->normal[axis][at] = is_flat(geometry) ? shape->normal[axis] : 0.0;
+    }
+}
+
 static void keep(pm__scene *scene, const pm__geometry *geometry)
 {
     rtcDetachGeometry(scene->rays, geometry->slot);
-    scene->kept_count++;
+    list_kept(scene, geometry);
     if (!is_flat(geometry) || !scene->flats) {
         scene->single[scene->single_count++] = geometry;
         return;
@@ -324,6 +346,9 @@ static pm_status keep_few(pm__scene *scene, pm_error *error)
         single += flat;
         flat = 0;
     }
+    if (!scene->few && !(scene->few = pm__alloc_zero(1, sizeof *scene->few)))
+        return no_memory(error);
+    scene->few->shape[PM__MOST_KEPT] = PM__NO_SHAPE;
     if (scene->kept_count > 0 || flat * FLAT + single * SINGLE > MOST)
         return PM_OK;
     if (flat > 0 && !(scene->flats = pm__alloc_zero(1, sizeof *scene->flats)))
@@ -334,10 +359,26 @@ static pm_status keep_few(pm__scene *scene, pm_error *error)
     return PM_OK;
 }
 
+static void box_held(pm__scene *scene)
+{
+    pm__box_empty(scene->held_low, scene->held_high);
+    for (size_t i = 0; i < scene->geometry_count; i++) {
+        const pm__geometry *const geometry = scene->geometries[i];
+        bool is_kept = false;
+        for (size_t place = 0; place < scene->kept_count; place++)
+            is_kept = is_kept || scene->few->kept[place] == geometry;
+        if (is_kept)
+            continue;
+        pm__box_enclose(scene->held_low, scene->held_high, geometry->low);
+        pm__box_enclose(scene->held_low, scene->held_high, geometry->high);
+    }
+}
+
 static pm_status build(pm__scene *scene, double rounding, pm_error *error)
 {
     if (keep_few(scene, error) != PM_OK)
         return PM_ENOMEM;
+    box_held(scene);
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
     /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */

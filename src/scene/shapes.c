@@ -136,8 +136,7 @@ static double profile_rising(const void *context, double t, double *slope)
 static profile profile_of(const pm__shape *shape, const pm__ray *ray)
 {
     const double rate = shape->wavenumber * ray->direction[0], x = shape->wavenumber * ray->origin[0];
-    const double over = ray->origin[2] - shape->centre[2] - shape->amplitude * cos(x);
-    return (profile){.start = ray->leaves ? 0.0 : over,
+    return (profile){.start = ray->leaves ? 0.0 : ray->origin[2] - shape->centre[2] - shape->amplitude * cos(x),
                      .climb = ray->direction[2],
                      .amplitude = shape->amplitude,
                      .phase = copysign(1.0, rate) * x,
@@ -183,10 +182,10 @@ static bool first_root(profile *p, const pm__ray *ray, double slack, double low,
     while (turns && turning_point(p, index) <= low)
         index += 1.0;
     bool passed = !ray->leaves;
-    double start = low, at_start = profile_height(p, low);
+    double start = low, at_start = passed ? profile_height(p, low) : 0.0;
     while (start < high) {
         const double end = turns ? fmin(turning_point(p, index), high) : high;
-        if (ray->arrives && end >= high)
+        if (end >= high && (ray->arrives || !passed))
             return false;
         const double at_end = profile_height(p, end);
         if (passed && (at_start < 0.0) != (at_end < 0.0)) {
@@ -214,8 +213,10 @@ static bool meet_wave(const pm__shape *shape, const pm__ray *ray, double *distan
         low = 0.0;
     if (ray->arrives)
         high = ray->reach;
+    if (!(low < high))
+        return false;
     profile p = profile_of(shape, ray);
-    return low < high && first_root(&p, ray, slack, low, high, distance);
+    return first_root(&p, ray, slack, low, high, distance);
 }
 
 /* ---- All --------------------------------------------------------------------------------------- */

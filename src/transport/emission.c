@@ -135,20 +135,27 @@ static size_t light_of(const pm__emission *emission, uint64_t number)
     return low;
 }
 
-/* factor: of the light's power. */
-static void leave(const pm__emission *emission, size_t light, double u[4], double factor, pm__departure *departure)
-{
-    const pm__light *const from = pm__scene_light_at(emission->scene, light);
-    if (emission->projection)
-        pm__projection_aim(emission->projection, light, u);
-    pm__emit(from, u, departure->position, departure->direction);
-    for (int b = 0; b < 3; b++)
-        departure->power[b] = from->power[b] * factor;
-}
-
+/* Of the light's power. */
 static double factor_of(const pm__emission *emission, size_t light)
 {
-    return emission->total / pm__sum(pm__scene_light_at(emission->scene, light)->power);
+    const double factor = emission->total / pm__sum(pm__scene_light_at(emission->scene, light)->power);
+    return emission->points ? factor * emission->weight[light] : factor;
+}
+
+/* The numbers by which a photon leaves, from those that a sampler or chance gives, and the light. */
+static size_t prepare(const pm__emission *emission, uint64_t number, double u[6])
+{
+    size_t light;
+    if (emission->points) {
+        light = light_of(emission, number);
+        const pm__points *const points = &emission->points[light];
+        points->sampler->point(points, number - emission->first[light], u);
+    } else {
+        light = choose_light(emission, u[4]);
+    }
+    if (emission->projection)
+        pm__projection_aim(emission->projection, light, u);
+    return light;
 }
 
 bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *departure)
@@ -156,16 +163,52 @@ bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *de
     double u[6];
     if (!(emission->total > 0.0))
         return false;
-    if (emission->points) {
-        const size_t light = light_of(emission, number);
-        const pm__points *const points = &emission->points[light];
-        points->sampler->point(points, number - emission->first[light], u);
-        leave(emission, light, u, factor_of(emission, light) * emission->weight[light], departure);
-        return true;
+    if (!emission->points) {
+        pm__trace_uniform(emission->seed, emission->trial, number, 0, u);
+        pm__trace_uniform(emission->seed, emission->trial, number, 1, u + 3);
     }
-    pm__trace_uniform(emission->seed, emission->trial, number, 0, u);
-    pm__trace_uniform(emission->seed, emission->trial, number, 1, u + 3);
-    const size_t light = choose_light(emission, u[4]);
-    leave(emission, light, u, factor_of(emission, light), departure);
+    const size_t light = prepare(emission, number, u);
+    const pm__light *const from = pm__scene_light_at(emission->scene, light);
+    pm__emit(from, u, departure->position, departure->direction);
+    for (int b = 0; b < 3; b++)
+        departure->power[b] = from->power[b] * factor_of(emission, light);
+    return true;
+}
+
+/* Their lights, as their places; u and v[0] as pm__emit has them. */
+static void prepare_all(const pm__emission *emission, const pm__batch_kernel *kernel, pm__batch *photons)
+{
+    if (!emission->points) {
+        kernel->draw(photons, emission->seed, emission->trial, 0, photons->u);
+        kernel->draw(photons, emission->seed, emission->trial, 1, photons->v);
+    }
+    for (size_t i = 0; i < photons->count; i++) {
+        double u[6];
+        for (int k = 0; k < 3; k++) {
+            u[k] = photons->u[k][i];
+            u[k + 3] = photons->v[k][i];
+        }
+        photons->place[i] = (int64_t)prepare(emission, photons->number[i], u);
+        for (int k = 0; k < 3; k++)
+            photons->u[k][i] = u[k];
+        photons->v[0][i] = u[3];
+    }
+}
+
+bool pm__depart_all(const pm__emission *emission, const pm__batch_kernel *kernel, pm__batch *photons)
+{
+    if (!(emission->total > 0.0))
+        return false;
+    prepare_all(emission, kernel, photons);
+    for (size_t light = 0; light < pm__scene_light_count(emission->scene); light++) {
+        const pm__light *const from = pm__scene_light_at(emission->scene, light);
+        const pm__lamp lamp = pm__lamp_of(from);
+        double power[3];
+        if (!(sent(emission, light) > 0.0))
+            continue;
+        for (int b = 0; b < 3; b++)
+            power[b] = from->power[b] * factor_of(emission, light);
+        kernel->emit(photons, &lamp, (int64_t)light, power);
+    }
     return true;
 }

@@ -3,6 +3,7 @@
 #define PM_TRANSPORT_EMISSION_H
 
 #include "../base/sampler.h"
+#include "../scene/batch.h"
 #include "projection.h"
 #include "trace.h"
 
@@ -41,6 +42,9 @@ void pm__emission_free(pm__emission *emission);
 
 /* false: no light reaches where photons are sent. */
 bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *departure);
+
+/* The same for those of these numbers, which are not changed. */
+bool pm__depart_all(const pm__emission *emission, const pm__batch_kernel *kernel, pm__batch *photons);
 
 /* As pm__trace, but straight on through whatever is met: stores at rough surfaces, with power 0 behind the first
  * surface of any kind. config->paths is not looked at; config->emission must be there. */

@@ -17,6 +17,8 @@ struct pm__paths {
     pm__places follow[PLACES]; /* where the next letter can be; [0]: before the first */
     pm__places last;           /* where a match can end */
     pm__places alive;          /* from where a path can be stored, now or later: see find_alive */
+    pm__places lit;            /* where the first letter behind L can be */
+    pm__places reached;        /* and any later one, of a photon's path */
 };
 
 /* A part of the expression, parsed. */
@@ -220,6 +222,19 @@ static void find_alive(pm__paths *paths)
     paths->alive = alive;
 }
 
+/* The same forwards, from the light. */
+static void find_reached(pm__paths *paths)
+{
+    const pm__places surfaces = paths->at[1] | paths->at[2];
+    pm__places before;
+    paths->lit = following(paths, paths->follow[0] & paths->at[0]) & surfaces;
+    paths->reached = paths->lit;
+    do {
+        before = paths->reached;
+        paths->reached |= following(paths, before) & surfaces;
+    } while (paths->reached != before);
+}
+
 pm_status pm__paths_create(const char *expression, pm__paths **paths, pm_error *error)
 {
     *paths = NULL;
@@ -235,6 +250,7 @@ pm_status pm__paths_create(const char *expression, pm__paths **paths, pm_error *
     made->follow[0] = whole.first;
     made->last = whole.last | (whole.empty ? 1 : 0);
     find_alive(made);
+    find_reached(made);
     if (!p.status && pm__paths_dead(made, pm__paths_step(made, pm__paths_begin(), 'L')))
         p.status = pm__fail(error, PM_EINVAL, "light paths: no photon's path matches '%.60s': they begin with L, go on "
                             "with S and D, and are stored at a D", expression);
@@ -271,6 +287,36 @@ bool pm__paths_dead(const pm__paths *paths, pm__places places)
     if (places & 1) /* before the first letter, which is L */
         places = paths->follow[0] & paths->at[0];
     return !(following(paths, places) & paths->alive);
+}
+
+pm__places pm__paths_from_end(const pm__paths *paths)
+{
+    return paths->last & paths->at[2];
+}
+
+static pm__places preceding(const pm__paths *paths, pm__places places)
+{
+    pm__places previous = 0;
+    for (int i = 0; i < PLACES; i++)
+        if (paths->follow[i] & places)
+            previous |= (pm__places)1 << i;
+    return previous;
+}
+
+pm__places pm__paths_step_back(const pm__paths *paths, pm__places places, char letter)
+{
+    const int index = letter_index(letter);
+    return index < 0 ? 0 : preceding(paths, places) & paths->at[index];
+}
+
+bool pm__paths_whole(const pm__paths *paths, pm__places places)
+{
+    return places & paths->lit;
+}
+
+bool pm__paths_grow(const pm__paths *paths, pm__places places)
+{
+    return preceding(paths, places) & paths->reached;
 }
 
 static pm__places walk(const pm__paths *paths, const char *path)

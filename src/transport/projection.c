@@ -22,7 +22,8 @@ static const uint32_t grids[][DIMENSIONS] = {[PM__POINT] = {128, 64, 1, 1},
                                              [PM__SPOT] = {128, 64, 1, 1},
                                              [PM__DIRECTIONAL] = {128, 64, 1, 1},
                                              [PM__RECTANGLE] = {4, 4, 32, 16},
-                                             [PM__BALL] = {16, 8, 16, 8}};
+                                             [PM__BALL] = {16, 8, 16, 8},
+                                             [PM__SUN] = {64, 32, 4, 2}};
 
 typedef struct light_map {
     const uint32_t *grid;

@@ -1,145 +1,320 @@
+#include "../scene/batch.h"
 #include "emission.h"
 #include "paths.h"
 
 #include <float.h>
+#include <string.h>
 
-/* A photon on its way. */
-typedef struct carrier {
-    uint64_t number;
-    double position[3], direction[3], power[3];
-    uint32_t shape;             /* that it stands on */
-    const double *absorption;   /* 1/m by band, of the medium that it was last known to be in; NULL: none yet */
-    pm__places places;
-} carrier;
+/* One in so many. */
+enum { LEAST_SHARE = 4 };
+
+/* Stored photons that a wave has room for: for those of one photon in any case. A wave of more starts again by halves,
+ * and later ones are no larger. */
+enum { MOST_RECORDS = PM__LONGEST_PATH };
+#define NO_RECORD UINT16_MAX
+
+typedef struct record {
+    pm__stored stored;
+    uint16_t next; /* of the same photon's */
+} record;
 
 /* What is the same for all photons of a call. */
 typedef struct job {
     const pm__trace_config *config;
     const pm__emission *emission;
+    const pm__batch_kernel *kernel;
     pm__store store;
-    pm__watch watch; /* NULL: nobody does */
+    pm__watch watch; /* NULL: nobody does; else waves are of one photon */
     void *context;
 } job;
 
-/* false: no light sends any. */
-static bool emit(const job *work, uint64_t number, carrier *photon)
+/* Photons that take their steps together. None depends on the others; what is stored waits until all have ended, since
+ * the receiver is to have it photon by photon. */
+typedef struct wave {
+    pm__batch rays;                      /* of those that live; number: which photon's */
+    const double *absorption[PM__BATCH]; /* 1/m by band, of the medium last known to be in; NULL: none yet */
+    pm__places places[PM__BATCH];
+    uint32_t coming[PM__BATCH]; /* that have come to a surface, and may go on */
+    size_t coming_count, kinds[PM__BLACK + 1]; /* and how many of each kind of material */
+    uint64_t first;
+    record records[MOST_RECORDS];
+    size_t record_count;
+    uint16_t head[PM__BATCH], tail[PM__BATCH]; /* the records of photon first + i */
+} wave;
+
+static void get(double from[3][PM__BATCH], size_t i, double to[3])
 {
-    pm__departure departure;
-    if (!pm__depart(work->emission, number, &departure))
-        return false;
-    *photon = (carrier){.number = number, .shape = PM__NO_SHAPE, .places = pm__paths_begin()};
-    for (int i = 0; i < 3; i++) {
-        photon->position[i] = departure.position[i];
-        photon->direction[i] = departure.direction[i];
-        photon->power[i] = departure.power[i];
-    }
-    return true;
+    for (int axis = 0; axis < 3; axis++)
+        to[axis] = from[axis][i];
+}
+
+static void put(const double from[3], double to[3][PM__BATCH], size_t i)
+{
+    for (int axis = 0; axis < 3; axis++)
+        to[axis][i] = from[axis];
 }
 
 /* The paths' automaton takes a letter. */
-static void note(const job *work, carrier *photon, char letter)
+static void note(const job *work, wave *w, size_t i, char letter)
 {
     if (work->config->paths)
-        photon->places = pm__paths_step(work->config->paths, photon->places, letter);
+        w->places[i] = pm__paths_step(work->config->paths, w->places[i], letter);
 }
 
-static bool is_wanted(const job *work, const carrier *photon)
+static bool is_wanted(const job *work, const wave *w, size_t i)
 {
-    return !work->config->paths || pm__paths_accept(work->config->paths, photon->places);
+    return !work->config->paths || pm__paths_accept(work->config->paths, w->places[i]);
 }
 
-static bool is_over(const job *work, const carrier *photon)
+static bool is_over(const job *work, const wave *w, size_t i)
 {
-    return work->config->paths && pm__paths_dead(work->config->paths, photon->places);
+    return work->config->paths && pm__paths_dead(work->config->paths, w->places[i]);
+}
+
+/* ---- Steps -------------------------------------------------------------------------------------- */
+
+static void emit(const job *work, uint64_t first, size_t count, wave *w)
+{
+    pm__batch *const b = &w->rays;
+    w->first = first;
+    w->record_count = 0;
+    b->count = count;
+    for (size_t i = 0; i < count; i++) {
+        w->head[i] = NO_RECORD;
+        b->from[i] = PM__NO_SHAPE;
+        b->number[i] = first + i;
+        w->absorption[i] = NULL;
+        w->places[i] = pm__paths_begin();
+        note(work, w, i, 'L');
+    }
+    if (!pm__depart_all(work->emission, work->kernel, b) || (count > 0 && is_over(work, w, 0)))
+        b->count = 0;
 }
 
 /* Beer's law over the way to the surface. A glass boundary says what lies before it, also to a photon whose light is
  * inside; elsewhere the medium is that beyond the boundary left last. */
-static void absorb(carrier *photon, const pm__hit *hit)
+static void absorb(wave *w, size_t i)
 {
-    if (hit->material->kind == PM__GLASS)
-        photon->absorption = pm__medium_before(hit->material, hit->normal, photon->direction);
-    if (photon->absorption)
-        pm__attenuate(photon->absorption, hit->distance, photon->power);
+    pm__batch *const b = &w->rays;
+    double normal[3], direction[3], power[3];
+    if (b->material[i]->kind == PM__GLASS) {
+        get(b->normal, i, normal);
+        get(b->direction, i, direction);
+        w->absorption[i] = pm__medium_before(b->material[i], normal, direction);
+    }
+    if (w->absorption[i]) {
+        get(b->power, i, power);
+        pm__attenuate(w->absorption[i], b->distance[i], power);
+        put(power, b->power, i);
+    }
 }
 
-/* false: the receiver wants no more. */
-static bool deposit(const job *work, const carrier *photon, const pm__hit *hit)
+/* facing: 1 where the photon comes from the side of the normal, else -1. */
+static void deposit(wave *w, size_t i, double facing)
 {
-    pm__stored stored;
-    const double sign = pm__dot(photon->direction, hit->normal) > 0.0 ? -1.0 : 1.0;
-    for (int i = 0; i < 3; i++) {
-        stored.position[i] = hit->position[i];
-        stored.direction[i] = photon->direction[i];
-        stored.normal[i] = sign * hit->normal[i];
-        stored.power[i] = photon->power[i];
+    const pm__batch *const b = &w->rays;
+    const size_t photon = (size_t)(b->number[i] - w->first);
+    const uint16_t at = (uint16_t)w->record_count++;
+    record *const to = &w->records[at];
+    for (int axis = 0; axis < 3; axis++) {
+        to->stored.position[axis] = b->position[axis][i];
+        to->stored.direction[axis] = b->direction[axis][i];
+        to->stored.normal[axis] = facing * b->normal[axis][i];
+        to->stored.power[axis] = b->power[axis][i];
     }
-    return work->store(work->context, photon->number, &stored);
+    to->next = NO_RECORD;
+    *(w->head[photon] == NO_RECORD ? &w->head[photon] : &w->records[w->tail[photon]].next) = at;
+    w->tail[photon] = at;
 }
 
-/* Off the surface, or false where the photon ends. */
-static bool bounce(carrier *photon, const pm__hit *hit, const double u[3])
+/* What scattering needs to know of the surface. toward: what the direction is along the normal. */
+static void prepare(pm__batch *b, size_t i, double toward)
 {
-    double outgoing[3];
-    if (pm__scatter(hit->material, hit->normal, photon->direction, u, photon->power, outgoing) == PM__ABSORBED)
-        return false;
-    if (hit->material->kind == PM__GLASS)
-        photon->absorption = pm__medium_beyond(hit->material, hit->normal, outgoing);
-    for (int i = 0; i < 3; i++) {
-        photon->position[i] = hit->position[i];
-        photon->direction[i] = outgoing[i];
-    }
-    photon->shape = hit->shape;
+    const pm__material *const material = b->material[i];
+    const double *const albedo = material->two_sided && !(toward < 0.0) ? material->back : material->diffuse;
+    const double *const bands = material->kind == PM__GLASS    ? material->ior
+                                : material->kind == PM__MIRROR ? material->specular
+                                                               : albedo;
+    for (int band = 0; band < 3; band++)
+        b->bands[band][i] = bands[band];
+    b->kind[i] = (int64_t)material->kind;
+    if (material->kind != PM__GLOSSY)
+        return;
+    for (int band = 0; band < 3; band++)
+        b->specular[band][i] = material->specular[band];
+    b->alpha[i] = pm__alpha(material);
+    if (material->printed)
+        b->kind[i] = PM__BLACK;
+}
+
+/* At a surface. */
+static void arrive(const job *work, wave *w, size_t i)
+{
+    pm__batch *const b = &w->rays;
+    const pm__material *const material = b->material[i];
+    const bool rough = pm__is_rough(material);
+    double normal[3], direction[3];
+    absorb(w, i);
+    note(work, w, i, rough ? 'D' : 'S');
+    get(b->normal, i, normal);
+    get(b->direction, i, direction);
+    const double toward = pm__dot(direction, normal);
+    if (rough && is_wanted(work, w, i))
+        deposit(w, i, toward > 0.0 ? -1.0 : 1.0);
+    if (is_over(work, w, i))
+        return;
+    prepare(b, i, toward);
+    w->kinds[b->kind[i]]++;
+    w->coming[w->coming_count++] = (uint32_t)i;
+}
+
+static void arrive_all(const job *work, wave *w)
+{
+    const pm__batch *const b = &w->rays;
+    w->coming_count = 0;
+    memset(w->kinds, 0, sizeof w->kinds);
+    for (size_t i = 0; i < b->count; i++)
+        if (b->material[i] && b->material[i]->kind != PM__BLACK)
+            arrive(work, w, i);
+}
+
+static void scatter_one(pm__batch *b, size_t i)
+{
+    double normal[3], incoming[3], u[3], power[3], outgoing[3];
+    get(b->normal, i, normal);
+    get(b->direction, i, incoming);
+    get(b->u, i, u);
+    get(b->power, i, power);
+    b->goes_on[i] = pm__scatter(b->material[i], normal, incoming, u, power, outgoing) != PM__ABSORBED;
+    if (!b->goes_on[i])
+        return;
+    put(power, b->power, i);
+    put(outgoing, b->outgoing, i);
     /* Only the printed glossy formula adds power; what a float cannot hold no map can. */
-    return pm__sum(photon->power) < FLT_MAX;
+    b->goes_on[i] = pm__sum(power) < FLT_MAX;
 }
 
-/* false: it meets nothing. */
-static bool fly(const job *work, const carrier *photon, pm__hit *hit)
+/* All of a kind together, unless they are so few that most of it would be in vain. */
+static void scatter(const job *work, wave *w)
 {
-    if (work->watch)
-        work->watch(work->context, photon->position, photon->direction, photon->shape);
-    return pm__scene_intersect(work->config->scene, photon->position, photon->direction, INFINITY, photon->shape, hit);
+    pm__batch *const b = &w->rays;
+    for (size_t kind = 0; kind <= PM__BLACK; kind++) {
+        if (w->kinds[kind] == 0)
+            continue;
+        if (work->kernel->scatter[kind] && LEAST_SHARE * w->kinds[kind] >= b->count) {
+            work->kernel->scatter[kind](b);
+            continue;
+        }
+        for (size_t j = 0; j < w->coming_count; j++)
+            if (b->kind[w->coming[j]] == (int64_t)kind)
+                scatter_one(b, w->coming[j]);
+    }
 }
 
-static bool trace_photon(const job *work, uint64_t number)
+/* Into what medium? */
+static void pass(wave *w, size_t i)
 {
-    carrier photon;
-    if (!emit(work, number, &photon))
-        return true;
-    note(work, &photon, 'L');
-    for (int count = 0; count < PM__LONGEST_PATH && !is_over(work, &photon); count++) {
-        double u[3];
-        pm__hit hit;
-        /* Drawn before it is known whether they serve: the processor does that while it waits for the ray. */
-        pm__trace_uniform(work->config->seed, work->config->trial, number, 2 + (uint32_t)count, u);
-        if (!fly(work, &photon, &hit) || hit.material->kind == PM__BLACK)
-            break;
-        absorb(&photon, &hit);
-        const bool rough = pm__is_rough(hit.material);
-        note(work, &photon, rough ? 'D' : 'S');
-        if (rough && is_wanted(work, &photon) && !deposit(work, &photon, &hit))
+    pm__batch *const b = &w->rays;
+    double normal[3], outgoing[3];
+    if (b->kind[i] != PM__GLASS || !b->goes_on[i])
+        return;
+    get(b->normal, i, normal);
+    get(b->outgoing, i, outgoing);
+    w->absorption[i] = pm__medium_beyond(b->material[i], normal, outgoing);
+}
+
+/* Off the surfaces; those that go on move up. */
+static void leave(const job *work, wave *w)
+{
+    pm__batch *const b = &w->rays;
+    scatter(work, w);
+    for (size_t j = 0; j < w->coming_count && w->kinds[PM__GLASS] > 0; j++)
+        pass(w, w->coming[j]);
+    size_t count = 0;
+    for (size_t j = 0; j < w->coming_count; j++) {
+        const uint32_t i = w->coming[j];
+        w->coming[count] = i;
+        count += b->goes_on[i];
+    }
+    b->count = count;
+    for (size_t j = 0; j < count; j++) {
+        const uint32_t i = w->coming[j];
+        for (int axis = 0; axis < 3; axis++) {
+            b->origin[axis][j] = b->position[axis][i];
+            b->direction[axis][j] = b->outgoing[axis][i];
+            b->power[axis][j] = b->power[axis][i];
+        }
+        b->from[j] = b->shape[i];
+        b->number[j] = b->number[i];
+        w->absorption[j] = w->absorption[i];
+        w->places[j] = w->places[i];
+    }
+}
+
+static void watch(const job *work, wave *w)
+{
+    double origin[3], direction[3];
+    get(w->rays.origin, 0, origin);
+    get(w->rays.direction, 0, direction);
+    work->watch(work->context, origin, direction, (uint32_t)w->rays.from[0]);
+}
+
+/* false: there is not room for what they store. */
+static bool run(const job *work, uint64_t first, size_t count, wave *w)
+{
+    emit(work, first, count, w);
+    for (uint32_t step = 0; step < PM__LONGEST_PATH && w->rays.count > 0; step++) {
+        if (w->record_count + w->rays.count > MOST_RECORDS)
             return false;
-        if (is_over(work, &photon) || !bounce(&photon, &hit, u))
-            break;
+        work->kernel->draw(&w->rays, work->config->seed, work->config->trial, 2 + step, w->rays.u);
+        if (work->watch)
+            watch(work, w);
+        pm__scene_intersect_batch(work->config->scene, work->kernel, &w->rays);
+        arrive_all(work, w);
+        leave(work, w);
     }
     return true;
 }
 
+/* ---- Waves -------------------------------------------------------------------------------------- */
+
+/* How many photons have been handed out; the receiver may want no more. */
+static size_t hand_out(const job *work, const wave *w, size_t count, bool *go_on)
+{
+    *go_on = true;
+    for (size_t i = 0; i < count; i++)
+        for (uint16_t at = w->head[i]; at != NO_RECORD; at = w->records[at].next)
+            if (!work->store(work->context, w->first + i, &w->records[at].stored)) {
+                *go_on = false;
+                return i + 1;
+            }
+    return count;
+}
+
 uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store,
-                           pm__watch watch, void *context)
+                           pm__watch watch_ray, void *context)
 {
     pm__emission independent;
     pm__emission_init(config->scene, NULL, PM__ALL_LIGHTS, config->seed, config->trial, &independent);
     const job work = {.config = config,
                       .emission = config->emission ? config->emission : &independent,
+                      .kernel = pm__batch_choose(),
                       .store = store,
-                      .watch = watch,
+                      .watch = watch_ray,
                       .context = context};
-    for (uint64_t i = 0; i < count; i++)
-        if (!trace_photon(&work, first + i))
-            return i + 1;
-    return count;
+    wave w;
+    size_t size = watch_ray ? 1 : PM__BATCH;
+    uint64_t done = 0;
+    bool go_on = true;
+    memset(&w.rays, 0, sizeof w.rays);
+    while (go_on && done < count) {
+        const size_t now = count - done < size ? (size_t)(count - done) : size;
+        if (!run(&work, first + done, now, &w))
+            size = now / 2;
+        else
+            done += hand_out(&work, &w, now, &go_on);
+    }
+    return done;
 }
 
 uint64_t pm__trace(const pm__trace_config *config, uint64_t first, uint64_t count, pm__store store, void *context)

@@ -11,7 +11,8 @@ END_TEST
 START_TEST(overview)
 {
     const char *const out = pm__expect("help", 0, NULL)->out;
-    const char *const names[] = {"accuracy", "search", "render", "estimate", "compare", "list", "help"};
+    const char *const names[] = {"accuracy", "search",  "speed", "render", "converge",
+                                 "estimate", "compare", "list",  "help"};
     char line[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(line, sizeof line, "\n  %s ", names[i]);
@@ -36,7 +37,8 @@ static void check_width(const char *text)
 
 START_TEST(help_of_commands)
 {
-    const char *const names[] = {"accuracy", "search", "render", "estimate", "compare", "list", "help"};
+    const char *const names[] = {"accuracy", "search",  "speed", "render", "converge",
+                                 "estimate", "compare", "list",  "help"};
     char arguments[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(arguments, sizeof arguments, "help %s", names[i]);
@@ -57,7 +59,8 @@ START_TEST(list_of_everything)
     const char *const parts[] = {"Estimators", "Searches",         "Cases",           "Samplers",
                                  "\n  disc ",  "\n  point-light ", "\n  brute ",      "\n  sobol ",
                                  "k=1.1 (",    "full|half|none",   "region interior:", "Methods",
-                                 "\n  visualize "};
+                                 "\n  visualize ", "Methods of render   render --method ",
+                                 "Methods of converge   converge --method ", "\n  ppm "};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         ck_assert_msg(strstr(out, parts[i]) != NULL, "no '%s' in: %.2000s", parts[i], out);
     check_width(out);

@@ -8,11 +8,14 @@
 #include "../../src/methods/render.h"
 #include "../../src/search/search.h"
 
+extern const pm__catalogue pm__progressives; /* its header has another pm__run than program.h */
+
 enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 
 static const char *const page_paths[] = {"README.md",        "docs/accuracy.md", "docs/search.md",  "docs/compare.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
-                                         "docs/scenes.md",   "docs/render.md",   "docs/speed.md"};
+                                         "docs/scenes.md",   "docs/render.md",   "docs/speed.md",
+                                         "docs/converge.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -56,8 +59,8 @@ static bool is_mentioned(const char *name)
 START_TEST(everything_listed_is_mentioned)
 {
     const pm__catalogue *const all[] = {&pm__estimators, &pm__all_cases, &pm__searches, &pm__samplers,
-                                        &pm__methods};
-    for (int c = 0; c < 5; c++)
+                                        &pm__methods,    &pm__progressives};
+    for (int c = 0; c < 6; c++)
         for (size_t i = 0; i < all[c]->count; i++)
             ck_assert_msg(is_mentioned(all[c]->entries[i]->name), "no page mentions the %s %s", all[c]->kind,
                           all[c]->entries[i]->name);
@@ -67,8 +70,9 @@ END_TEST
 /* Each option that help shows has its row in the command's page. */
 START_TEST(options_are_documented)
 {
-    static const char *const commands[] = {"accuracy", "search", "speed", "render", "compare", "estimate", "list"};
-    for (int c = 0; c < 7; c++) {
+    static const char *const commands[] = {"accuracy", "search",   "speed", "render",
+                                           "converge", "compare", "estimate", "list"};
+    for (int c = 0; c < 8; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
         (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
@@ -86,16 +90,18 @@ START_TEST(options_are_documented)
 }
 END_TEST
 
-/* Each field of a JSON row, in backticks. */
+/* Each field of the lists of rows, in backticks. */
 static void check_fields(const char *arguments, const char *path)
 {
+    static const char *const lists[] = {"rows", "fits", "points"};
     json_t *const root = pm__expect_json(arguments), *value;
     const char *key;
     char wanted[60];
-    json_object_foreach(json_array_get(json_object_get(root, "rows"), 0), key, value) {
-        (void)snprintf(wanted, sizeof wanted, "`%s`", key);
-        ck_assert_msg(strstr(page(path), wanted) != NULL, "%s lacks the field %s", path, key);
-    }
+    for (int i = 0; i < 3; i++)
+        json_object_foreach(json_array_get(json_object_get(root, lists[i]), 0), key, value) {
+            (void)snprintf(wanted, sizeof wanted, "`%s`", key);
+            ck_assert_msg(strstr(page(path), wanted) != NULL, "%s lacks the field %s", path, key);
+        }
     json_decref(root);
 }
 
@@ -108,6 +114,8 @@ START_TEST(fields_are_documented)
     check_fields("render water --size 4x4 --spp 1 --photons 1000 --k 10 --quiet --json - -o /dev/null",
                  "docs/render.md");
     check_fields("render water --plan --json -", "docs/render.md");
+    check_fields("converge water --size 4x4 --trials 2 --passes 2 --photons-per-pass 200 --k 5 --at 1,1 --json -",
+                 "docs/converge.md");
     check_fields("list cases --json -", "docs/list.md");
 }
 END_TEST

@@ -78,6 +78,71 @@ START_TEST(up_need_be_neither_unit_nor_across)
 }
 END_TEST
 
+/* A point back to where its direction came from, however far it is; density by finite differences: the solid angle of
+ * a small square about it is that of the triangles of its corners' directions (Van Oosterom and Strackee 1983). */
+static double solid_angle(const double a[3], const double b[3], const double c[3])
+{
+    double bc[3];
+    pm__cross(b, c, bc);
+    return 2.0 * atan2(fabs(pm__dot(a, bc)), 1.0 + pm__dot(a, b) + pm__dot(b, c) + pm__dot(c, a));
+}
+
+static double pixels_to_the_steradian(const pm__camera *camera, double x, double y)
+{
+    const double half = 1e-3;
+    double corner[4][3];
+    for (int i = 0; i < 4; i++)
+        pm__camera_direction(camera, i & 1 ? x + half : x - half, i & 2 ? y + half : y - half, corner[i]);
+    const double angle = solid_angle(corner[0], corner[1], corner[2]) + solid_angle(corner[3], corner[1], corner[2]);
+    return 4.0 * half * half / angle;
+}
+
+START_TEST(points_are_projected)
+{
+    const pm__view view = {.eye = {0.3, -1, 2}, .at = {2, 5, 1}, .up = {0.1, 0.2, 1}, .angle = 1.9};
+    const pm__camera camera = camera_of(&view, 16, 9);
+    static const double distances[] = {1e-3, 1.0, 1e4};
+    for (int i = 0; i < 60; i++) {
+        const double x = -2.0 + 0.35 * i, y = -1.0 + 0.17 * ((7 * i) % 60); /* and outside the image */
+        const double distance = distances[i % 3];
+        double direction[3], point[3], at[2], density;
+        pm__camera_direction(&camera, x, y, direction);
+        for (int a = 0; a < 3; a++)
+            point[a] = camera.eye[a] + distance * direction[a];
+        ck_assert(pm__camera_project(&camera, point, at, &density));
+        PM_CHECK_NEAR(at[0], x, 1e-10);
+        PM_CHECK_NEAR(at[1], y, 1e-10);
+        PM_CHECK_NEAR(density / pixels_to_the_steradian(&camera, x, y), 1.0, 1e-6);
+        for (int a = 0; a < 3; a++)
+            point[a] = camera.eye[a] - distance * direction[a];
+        ck_assert(!pm__camera_project(&camera, point, at, &density));
+    }
+}
+END_TEST
+
+/* All of a pixel's steradians, by hand: one pixel of half angle 45 degrees covers a sixth of all directions, and the
+ * mean of 1 / density over it, by the midpoint rule, is that solid angle. */
+START_TEST(a_pixel_is_a_face_of_a_cube)
+{
+    enum { N = 200 };
+    const pm__view view = {.eye = {1, 2, 3}, .at = {1, 2, -7}, .up = {0, 1, 0}, .angle = right_angle};
+    const pm__camera camera = camera_of(&view, 1, 1);
+    double sum = 0.0;
+    for (int i = 0; i < N * N; i++) {
+        double point[3], at[2], density;
+        pm__camera_direction(&camera, (i % N + 0.5) / N, (i / N + 0.5) / N, point);
+        for (int a = 0; a < 3; a++)
+            point[a] += view.eye[a];
+        ck_assert(pm__camera_project(&camera, point, at, &density));
+        sum += 1.0 / density / (N * N);
+    }
+    PM_CHECK_NEAR(sum, 4.0 / 3.0 * right_angle, 1e-4); /* 4 pi / 6 */
+    const double eye[3] = {1, 2, 3};
+    double at[2], density;
+    ck_assert(!pm__camera_project(&camera, eye, at, &density));
+}
+END_TEST
+
 static void refused(const pm__view *view, size_t width, size_t height, const char *part)
 {
     pm_error error = {""};
@@ -243,4 +308,5 @@ START_TEST(nobody_stands_in_a_block)
 END_TEST
 
 PM_TEST_MAIN("camera", directions_by_hand, the_angle_is_of_the_height, up_need_be_neither_unit_nor_across,
-             what_is_refused, a_camera_inside_a_wall_is_refused, nobody_stands_in_a_block)
+             points_are_projected, a_pixel_is_a_face_of_a_cube, what_is_refused, a_camera_inside_a_wall_is_refused,
+             nobody_stands_in_a_block)

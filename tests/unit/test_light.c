@@ -164,7 +164,7 @@ START_TEST(test_refusals)
                       .edge = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}};
     check_refused(good, "power");
     memcpy(good.power, white, sizeof white);
-    for (int kind = PM__POINT; kind <= PM__BALL; kind++) {
+    for (int kind = PM__POINT; kind <= PM__SUN; kind++) {
         good.kind = (pm__light_kind)kind;
         PM_CHECK_OK(pm__light_check(&good, &error), error);
         pm__light bad = good;
@@ -181,6 +181,15 @@ START_TEST(test_refusals)
     bad.angle = 0.5;
     bad.direction[0] = 0.1;
     check_refused(bad, "direction");
+    bad.kind = PM__SUN;
+    check_refused(bad, "direction");
+    bad.angle = 0.51 * pi;
+    check_refused(bad, "angle");
+    bad.angle = 0.0;
+    check_refused(bad, "angle");
+    bad.radius = 0.0;
+    bad.angle = 0.5;
+    check_refused(bad, "radius");
     bad = good;
     bad.kind = PM__BALL;
     bad.radius = -1.0;

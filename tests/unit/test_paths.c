@@ -1,5 +1,5 @@
 /* Light-path expressions, with the C library's regular expressions as the oracle. */
-#include "../../src/transport/trace.h"
+#include "../../src/transport/paths.h"
 #include "../test.h"
 
 #include <regex.h>
@@ -81,6 +81,42 @@ START_TEST(test_end_is_exact)
 }
 END_TEST
 
+/* Does anything before these surfaces, behind L, make a path? By trying all up to LENGTH, as above. */
+static bool comes_from(const pm__paths *paths, unsigned bits, int length)
+{
+    char path[LENGTH + 2];
+    for (int more = 1; more <= LENGTH - length; more++)
+        for (unsigned head = 0; head < 1U << more; head++) {
+            spell(head | bits << more, more + length, path);
+            if (pm__paths_match(paths, path))
+                return true;
+        }
+    return false;
+}
+
+START_TEST(test_backwards_as_forwards)
+{
+    for (int e = 0; e < EXPRESSIONS; e++) {
+        pm__paths *const paths = create(expressions[e]);
+        char path[LENGTH + 2];
+        for (int length = 1; length <= LENGTH; length++)
+            for (unsigned bits = 1U << (length - 1); bits < 1U << length; bits++) { /* a D at the end */
+                pm__places places = pm__paths_from_end(paths);
+                spell(bits, length, path);
+                for (int i = length - 1; i > 0; i--)
+                    places = pm__paths_step_back(paths, places, path[i]);
+                const bool whole = pm__paths_match(paths, path);
+                ck_assert_msg(pm__paths_whole(paths, places) == whole, "%s on %s: not %d", expressions[e], path, whole);
+                const bool grow = length <= LENGTH - 5 && comes_from(paths, bits, length);
+                ck_assert_msg(length > LENGTH - 5 || pm__paths_grow(paths, places) == grow,
+                              "%s: before %s: not %d", expressions[e], path, grow);
+            }
+        ck_assert_uint_eq(pm__paths_step_back(paths, pm__paths_from_end(paths), 'X'), 0);
+        pm__paths_destroy(paths);
+    }
+}
+END_TEST
+
 START_TEST(test_foreign_letters_match_nothing)
 {
     pm__paths *const paths = create("L.*D");
@@ -117,4 +153,5 @@ START_TEST(test_refusals)
 }
 END_TEST
 
-PM_TEST_MAIN("paths", test_match_as_posix, test_end_is_exact, test_foreign_letters_match_nothing, test_refusals)
+PM_TEST_MAIN("paths", test_match_as_posix, test_end_is_exact, test_backwards_as_forwards,
+             test_foreign_letters_match_nothing, test_refusals)

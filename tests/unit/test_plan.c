@@ -44,6 +44,13 @@ static void spot(pm__scene *scene, double z, double dz, double angle)
     lit_lamp(scene, &light);
 }
 
+static void sun(pm__scene *scene, double x, double z, double dx, double dz, double angle)
+{
+    const pm__light light = {.kind = PM__SUN, .power = {1, 1, 1}, .position = {x, 0, z}, .direction = {dx, 0, dz},
+                             .radius = 0.9, .angle = angle};
+    lit_lamp(scene, &light);
+}
+
 static void panel(pm__scene *scene, double low, double high)
 {
     const pm__light light = {.kind = PM__RECTANGLE, .power = {1, 1, 1}, .position = {-2, -0.3, low},
@@ -119,6 +126,24 @@ static void beam_below(pm__scene *s)
     beam(s, -2, -0.4, 0.98, sqrt(1 - 0.9604), 0.1);
 }
 
+static void sun_down(pm__scene *s)
+{
+    square(s, paper(s), 1, 0, true);
+    sun(s, -1, 0.2, 0.98, -sqrt(1 - 0.9604), 0.1);
+}
+
+static void sun_that_spreads(pm__scene *s)
+{
+    square(s, paper(s), 1, 0, true);
+    sun(s, -1, 0.2, 0.98, -sqrt(1 - 0.9604), 0.3);
+}
+
+static void sun_from_below(pm__scene *s)
+{
+    square(s, paper(s), 1, 0, true);
+    sun(s, -1, -0.2, 0.98, sqrt(1 - 0.9604), 0.1);
+}
+
 static void panel_above(pm__scene *s)
 {
     square(s, paper(s), 1, 0, true);
@@ -184,7 +209,8 @@ static const struct {
     {lit_from_above, {false, true}}, {lit_from_below, {true, false}}, {lit_from_both, {true, true}},
     {mirror_above, {false, true}},   {mirror_below, {true, true}},    {glass_above, {false, true}},
     {glass_across, {true, true}},    {beam_down, {false, true}},      {beam_up, {true, false}},
-    {beam_below, {true, false}},     {panel_above, {false, true}},    {panel_across, {true, true}},
+    {beam_below, {true, false}},     {sun_down, {false, true}},       {sun_that_spreads, {true, true}},
+    {sun_from_below, {true, false}}, {panel_above, {false, true}},    {panel_across, {true, true}},
     {ball_above, {false, true}},     {ball_across, {true, true}},     {two_in_one_plane, {false, true}},
     {two_planes, {true, true}},
 };

@@ -16,6 +16,10 @@ static const pm__light lights[] = {
     {.kind = PM__RECTANGLE, .position = {-0.2, -0.3, 0.3}, .edge = {{0.5, 0.1, 0.0}, {0.0, 0.4, 0.2}},
      .power = {1, 1, 1}},
     {.kind = PM__BALL, .position = {0.1, 0.2, 0.3}, .radius = 0.3, .power = {1, 1, 1}},
+    {.kind = PM__SUN, .position = {0.0, 0.0, 3.0}, .direction = {0.0, 0.6, -0.8}, .radius = 2.0, .angle = 0.05,
+     .power = {1, 1, 1}},
+    {.kind = PM__SUN, .position = {0.2, 0.1, 0.5}, .direction = {0.6, 0.0, -0.8}, .radius = 0.3, .angle = 1.5,
+     .power = {1, 1, 1}},
 };
 enum { LIGHTS = sizeof lights / sizeof *lights };
 
@@ -101,8 +105,9 @@ END_TEST
 /* Shares are those of the boxes, a cell's width wider at most about each: measured against rays. */
 START_TEST(test_little_is_left_in)
 {
-    /* What lies within a cell of a box, by light: areas have few cells in each of four dimensions. */
-    static const double extra[LIGHTS] = {0.03, 0.15, 0.03, 0.03, 0.15, 0.5};
+    /* What lies within a cell of a box, by light: areas have few cells in each of four dimensions, and a
+     * sun as wide as the sky gains nothing. */
+    static const double extra[LIGHTS] = {0.03, 0.15, 0.03, 0.03, 0.15, 0.5, 0.1, 1.0};
     for (uint32_t trial = 0; trial < 4; trial++) {
         pm__scene *const scene = scatter(trial);
         pm__projection *const projection = project(scene, true);

@@ -119,6 +119,8 @@ START_TEST(bad_parameters_are_refused)
         {"scene:cornell-water:level=0", PM_EINVAL}, {"scene:cornell-water:waves=0.1", PM_EINVAL},
         {"scene:four-lights:albedo=-1", PM_EINVAL}, {"scene:cognac:turns=160.5", PM_EINVAL},
         {"scene:cognac:depth=0.1", PM_EINVAL},      {"scene:cornel", PM_ENAME},
+        {"scene:torus:sun=0", PM_EINVAL},           {"scene:torus:sun=21", PM_EINVAL},
+        {"scene:lamp:glass=0.09", PM_EINVAL},       {"scene:lamp:sun=5", PM_ENAME},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         pm__spec spec;
@@ -150,7 +152,8 @@ static const box boxes[] = {{"scene:cornell", {0.5, 0.5}, 1, true},
                             {"scene:cornell-diffuse", {0.5, 0.5}, 1, true},
                             {"scene:cornell-water", {0.5, 0.5}, 1, true},
                             {"scene:fractal-cornell", {0.5, 0.5}, 1, true},
-                            {"scene:four-lights", {1, 1.25}, 1.25, false}};
+                            {"scene:four-lights", {1, 1.25}, 1.25, false},
+                            {"scene:lamp", {0.8, 0.9}, 1.4, false}};
 
 /* All is within the room, mirrors and glass but for the water clear of the floor and the walls. */
 START_TEST(rooms_hold_all)
@@ -229,7 +232,7 @@ START_TEST(lamps_stand_free)
         pm__scene *const scene = committed(&spec);
         for (size_t i = 0; i < pm__scene_light_count(scene); i++) {
             const pm__light *const light = pm__scene_light_at(scene, i);
-            ck_assert(light->kind == PM__RECTANGLE || light->kind == PM__BALL);
+            ck_assert(light->kind == PM__RECTANGLE || light->kind == PM__BALL || light->kind == PM__SUN);
             check_lamp(spec.entry->name, scene, light);
         }
         pm__scene_destroy(scene);
@@ -386,6 +389,9 @@ START_TEST(no_light_is_lost)
     check_ledger("scene:four-lights", 1.0);
     check_ledger("scene:fractal-cornell", 1.0);
     check_ledger("scene:fractal-cornell:depth=4", 1.0);
+    check_ledger("scene:torus", 1.0);
+    check_ledger("scene:lamp", 1.0);
+    check_ledger("scene:lamp:glass=0.08,ior=3", 1.0);
     check_ledger("scene:cornell-water", 0.5); /* some in the water */
     check_ledger("scene:cognac", 0.95);       /* and little in glass and cognac */
 }

@@ -6,9 +6,15 @@
 #include "progressive.h"
 
 #define PM_PROGRESSIVE_LIST(X) \
+    X(pm)                      \
+    X(pm_average)              \
+    X(pm_combine)              \
     X(ppm)                     \
     X(sppm)                    \
-    X(pppm)
+    X(pppm)                    \
+    X(appm)                    \
+    X(path)                    \
+    X(light)
 
 #define X(name) extern const pm__progressive pm__progressive_##name;
 PM_PROGRESSIVE_LIST(X)

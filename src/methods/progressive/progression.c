@@ -14,7 +14,7 @@
  * chance, and its estimates bright (errata, section 7). */
 #define PILOT UINT32_MAX
 
-enum { POINTS = 256 }; /* at once */
+enum { POINTS = 256, WAYS = 64 }; /* of a task; tried through a pixel's middle */
 
 static const pm__progressive *method_of(const pm__progressive_config *config)
 {
@@ -32,6 +32,8 @@ static pm_status check(const pm__progressive_config *config, pm_error *error)
         return PM_OK;
     if (!config->photons)
         return pm__fail(error, PM_EINVAL, "no photons in a pass");
+    if (method->no_lookups)
+        return PM_OK;
     if (kernel->needs & (PM__MAPS | PM__TRUTH | PM__AT_PHOTON) || !(kernel->dimensions & 1U << 2))
         return pm__fail(error, PM_EINVAL, "%s cannot be the kernel of passes: it needs more than one lookup", name);
     if (method->shrinks && !kernel->weight)
@@ -79,14 +81,18 @@ void pm__hit_point_of(const pm__eye *eye, bool reached, pm__hit_point *point)
     point->back = reached && pm__dot(eye->facing, eye->hit.normal) < 0.0;
 }
 
+/* Where points are drawn anew this one but settles the first radius, so that any that a way through mirrors and glass
+ * leads to will do. */
 static void find_points(void *argument, size_t block)
 {
     pm__progression *const p = argument;
-    for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < p->points; i++) {
-        pm__eye eye;
-        pm__run_eye(p, p->config->seed, 0, i, true, &eye);
-        pm__hit_point_follow(&eye, &p->fixed[i]);
-    }
+    const uint32_t ways = method_of(p->config)->redraws ? WAYS : 1;
+    for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < p->points; i++)
+        for (uint32_t way = 0; way < ways && !p->fixed[i].material; way++) {
+            pm__eye eye;
+            pm__run_eye(p, p->config->seed, way, i, true, &eye);
+            pm__hit_point_follow(&eye, &p->fixed[i]);
+        }
 }
 
 /* ---- First radii ------------------------------------------------------------------------------- */
@@ -141,7 +147,7 @@ static pm_status pilot(pm__progression *p, pm_error *error)
 static pm_status set_radii(pm__progression *p, pm_error *error)
 {
     const pm__progressive_config *const config = p->config;
-    if (!method_of(config)->uses_photons)
+    if (!method_of(config)->uses_photons || method_of(config)->no_lookups)
         return PM_OK;
     for (size_t i = 0; i < p->points; i++)
         p->radius[i] = (float)config->radius;

@@ -115,6 +115,7 @@ typedef enum pm__progress_law {
 typedef struct pm__progressive {
     pm__entry entry;
     bool uses_photons; /* else neither kernel nor radius matters */
+    bool no_lookups;   /* nor do they here: photons are used otherwise */
     bool redraws;      /* points are drawn anew in each pass: the answer is the mean over a pixel, not that at its
                           middle */
     bool shrinks;      /* lookups have a radius that shrinks from the first one, by alpha; else k photons */
