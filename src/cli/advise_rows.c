@@ -136,9 +136,9 @@ void pm__advise_command(const pm__advise_task *task, const pm__advice *a, char *
     else
         (void)snprintf(out, size,
                        "photonbench converge %s --method %s --estimator %s --alpha %s --k %zu --photons-per-pass %zu "
-                       "--passes %zu --size %dx%d --trials %zu --seed %llu",
+                       "--passes %zu --size %zux%zu --trials %zu --seed %llu",
                        subject + strlen("scene:"), method, estimator, alpha, a->k, a->photons, (size_t)a->passes,
-                       PM__ADVISE_SIDE, PM__ADVISE_SIDE, a->trials, seed);
+                       a->width, a->height, a->trials, seed);
 }
 
 /* ---- On the screen ----------------------------------------------------------------------------- */
@@ -194,27 +194,27 @@ static void print_reached(FILE *file, const pm__advice *a)
     (void)fprintf(file, "\nreached %.3g %% [%.3g, %.3g], %.3f of what was asked for, in %.3g s: %s\n",
                   100.0 * a->reached_rel_rmse, 100.0 * a->reached_rel_rmse_ci95.low,
                   100.0 * a->reached_rel_rmse_ci95.high, a->ratio, a->reached_seconds,
-                  strcmp(a->status, "ok") ? "missed" : "within 25 %");
+                  strcmp(a->status, "ok") ? "missed" : a->ratio < 0.75 ? "better" : "within 25 %");
 }
 
 void pm__advise_print(FILE *file, const pm__advise_task *task)
 {
     char subject[PM__MAX_SPEC], command[COMMAND];
     const pm__advice *const best = &task->advice[0];
-    bool pass_row = false;
+    const pm__advice *image = NULL;
     pm__spec_format_short(task->config->subject, subject, sizeof subject);
     (void)fprintf(file, "%.60s: error %.3g %%\n", subject, 100.0 * task->config->error);
     (void)fprintf(file, "  %-10s %-24s %7s %10s %7s %6s %6s %6s %8s\n", "method", "estimator", "k", "photons", "passes",
                   "bias", "noise", "error", "seconds");
     for (size_t i = 0; i < task->count; i++) {
         print_row(file, &task->advice[i]);
-        pass_row |= task->advice[i].passes > 0;
+        image = task->advice[i].passes ? &task->advice[i] : image;
     }
     (void)fprintf(file, "All predicted; in percent of the mean truth, seconds on one thread with %zu lookups a map.\n",
                   task->config->probes);
-    if (pass_row)
-        (void)fprintf(file, "Maps are judged over the case's region all, the other methods in %dx%d pixels of its "
-                            "image.\n", PM__ADVISE_SIDE, PM__ADVISE_SIDE);
+    if (image)
+        (void)fprintf(file, "Maps are judged over the case's region all, other methods in %zux%zu pixels of its "
+                            "image.\n", image->width, image->height);
     pm__advise_command(task, best, command, sizeof command);
     (void)fprintf(file, "%s:\n  ", best->advised ? "The least time, marked *, is that of" : "The nearest comes");
     pm__wrap(file, command, 2, 6);

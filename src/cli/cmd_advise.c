@@ -66,7 +66,8 @@ static pm_status set_seconds(pm__settings *s, const char *text, pm_error *error)
 
 static const pm__option option_error = {
     "error", 0, "E", "relative root-mean-square error to be reached, 2% or 0.02 (needed)", set_error};
-static const pm__option option_verify = {"verify", 0, NULL, "run what is advised and say how close it came", set_verify};
+static const pm__option option_verify = {
+    "verify", 0, NULL, "run what is advised and say how close it came", set_verify};
 static const pm__option option_method = {
     "method", 0, "METHOD,...", "map, or progressive methods of scenes (map, and of scenes pppm)", set_method};
 static const pm__option option_estimator = {

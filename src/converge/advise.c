@@ -169,7 +169,10 @@ pm_status pm__advise_verify(const pm__advise_config *config, pm__advice *advice,
     if (status != PM_OK)
         return status;
     advice->ratio = advice->reached_rel_rmse / config->error;
-    if (fabs(advice->ratio - 1.0) > tolerance)
+    const bool least = advice->predicted_rel_rmse < (1.0 - tolerance) * config->error; /* there is nothing smaller */
+    if (advice->ratio > 1.0 + tolerance || (advice->ratio < 1.0 - tolerance && !least))
         advice->status = "missed";
+    else if (advice->ratio < 1.0 - tolerance)
+        (void)snprintf(advice->detail, sizeof advice->detail, "better than what was asked for: the least there is");
     return PM_OK;
 }

@@ -39,6 +39,7 @@ typedef struct pm__advice {
     size_t k;                   /* of each lookup; of progressive methods those of the first */
     size_t photons;             /* in the map; of progressive methods emitted in a pass */
     uint32_t passes;            /* 0: a single map */
+    size_t width, height;       /* of the image whose pixels are asked; 0: a single map */
     size_t trials;              /* that show the error well enough */
     double predicted_rel_bias, predicted_rel_noise, predicted_rel_rmse, predicted_seconds;
     bool advised;               /* the cheapest of those that reach the error */
@@ -50,8 +51,8 @@ typedef struct pm__advice {
     char detail[PM__DETAIL_SIZE];
 } pm__advice;
 
-/* Progressive methods are asked so; the rest is as `converge` has it by default. */
-enum { PM__ADVISE_SIDE = 32, PM__ADVISE_K = 50, PM__ADVISE_PASS = 20000 };
+/* Progressive methods are asked so, in an image of 32x32 pixels or the size of the scene's stored reference. */
+enum { PM__ADVISE_K = 50, PM__ADVISE_PASS = 20000 };
 extern const double pm__advise_alpha;
 
 /* Advice for each method and estimator, the advised one first, then by time; *advice is malloc'ed and the caller's.

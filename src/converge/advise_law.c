@@ -7,14 +7,15 @@
  *   lookup smooths: it depends on the share s = k / N through that smoothing, and on k weakly (the hull). So A is
  *   measured at each pilot's k and s, and taken from the samples nearby, weighted in ln s and, less, in ln k.
  * - The bias depends on the radius alone: on s. What k adds (an estimate that counts its k-th photon is 1 / (k - 1) too
- *   bright) is of the order of 1 / k, the square of the error asked for. Over smooth light |bias| grows as s (curvature,
- *   r^2), where light ends abruptly its root mean square over points as s^(1/4): the strip that sees it has the width
- *   r. Which of them rules changes with s; B^2(s) is therefore a line through ln B^2 over ln s, fitted about s with
- *   weights that fall with distance (a local power law), to samples that stand clear of their noise. Those that do not
- *   are bounds: B^2 does not exceed the upper limit of one with a larger share.
- * Then error^2 = A / (k - 2) + B^2(s). Each s with B(s) below the error E has one k that gives E, k = 2 + A / (E^2 - B^2),
- * and N = k / s: candidates form a curve, along which the cheapest is sought. Shares beyond those that were measured are
- * not considered: a map could not be smaller without looking at all its photons.
+ *   bright) is of the order of 1 / k, the square of the error asked for. Over smooth light |bias| grows as s (by
+ *   curvature, r^2), where light ends abruptly its root mean square over points as s^(1/4): the strip that sees it has
+ *   the width r. Which of them rules changes with s; B^2(s) is therefore a line through ln B^2 over ln s, fitted about s
+ *   with weights that fall with distance (a local power law), to samples that stand clear of their noise. Those that do
+ *   not are bounds: B^2 does not exceed the upper limit of one with a larger share. Where none does, B^2 = c s is fitted
+ *   to all.
+ * Then error^2 = A / (k - 2) + B^2(s). Each s with B(s) below the error E has one k that gives E, which is
+ * k = 2 + A / (E^2 - B^2), and N = k / s: candidates form a curve, along which the cheapest is sought. Shares beyond
+ * those that were measured are not considered: a map could not be smaller without looking at all its photons.
  *
  * Seconds: N photons at the time that one took with the nearest number, and queries at a time that is a power of k. */
 #include "advise_law.h"
@@ -85,7 +86,20 @@ static double line_at(const line *sums, double at, double low, double high, doub
 
 static bool is_clear(const pm__map_sample *s)
 {
-    return s->bias2 > 3.0 * s->bias2_error && s->bias2 > 0.0;
+    return s->bias2 > 2.0 * s->bias2_error && s->bias2 > 0.0;
+}
+
+/* Where nothing stands clear: B^2 = c s, a power between those of smooth and of abrupt light, c by least squares. */
+static double vague_bias2(const pm__map_law *law, double share)
+{
+    double sum = 0.0, weights = 0.0;
+    for (size_t i = 0; i < law->count; i++) {
+        const pm__map_sample *const s = &law->samples[i];
+        const double weight = 1.0 / (square(s->bias2_error) + 1e-14);
+        sum += weight * share_of(s) * s->bias2;
+        weights += weight * square(share_of(s));
+    }
+    return weights > 0.0 ? share * sum / weights : 0.0;
 }
 
 double pm__map_bias2(const pm__map_law *law, double share)
@@ -102,7 +116,9 @@ double pm__map_bias2(const pm__map_law *law, double share)
         }
     }
     /* B from s^0 to s^1.25; a single value is taken to fall as slowly as abrupt light makes it */
-    return sums.weight > 0.0 ? fmin(exp(line_at(&sums, log(share), 0.0, 2.5, 0.5)), bound) : 0.0;
+    const double bias2 =
+        sums.weight > 0.0 ? exp(line_at(&sums, log(share), 0.0, 2.5, 0.5)) : vague_bias2(law, share);
+    return fmin(bias2, bound);
 }
 
 static double query_ns(const pm__map_law *law, double k, double photons)
@@ -224,8 +240,8 @@ bool pm__map_is_near(const pm__map_law *law, const pm__map_choice *choice)
 /* ---- Passes ------------------------------------------------------------------------------------ */
 
 /* The slope of the variance is measured where there are two samples: points that are drawn anew in each pass add noise
- * that falls as 1 / i, so that a pilot sees something between that and the law's slope. The first passes, where sums are
- * not yet integrals, are left out: the last half of the samples counts, each once. */
+ * that falls as 1 / i, so that a pilot sees something between that and the law's slope. The first passes, where sums
+ * are not yet integrals, are left out: the last half of the samples counts, each once. */
 static double measured_slope(const pm__pass_sample *samples, size_t count, double low, double high)
 {
     line sums = {0.0, 0.0, 0.0, 0.0, 0.0};

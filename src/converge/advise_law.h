@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { PM__MOST_SAMPLES = 64, PM__MOST_PASSES_SEEN = 64 };
+enum { PM__MOST_SAMPLES = 64 };
 
 /* ---- One photon map ---------------------------------------------------------------------------- */
 
@@ -67,8 +67,8 @@ typedef struct pm__pass_law {
     double variance_1, variance_slope, bias2_1, bias2_slope;
 } pm__pass_law;
 
-/* Of the last half of the samples, all variances above 0. variance_slope: the least there can be, and what is taken of a
- * single sample; measured it is at most 1. count >= 1. */
+/* Of the last half of the samples, all variances above 0. variance_slope: the least there can be, and what is taken of
+ * a single sample; measured it is at most 1. count >= 1. */
 pm__pass_law pm__pass_law_fit(const pm__pass_sample *samples, size_t count, double variance_slope,
                               double bias2_slope);
 double pm__pass_error(const pm__pass_law *law, double passes);

@@ -12,6 +12,7 @@
 /* A lookup of more than 1/16 of a map's photons smooths whatever there is. */
 enum { FIRST_PHOTONS = 32768, LEAST_SHARES = 16, FIRST_KS = 7, LEAST_FIRST_K = 8, PILOT_TRIALS = 8, NEXT_KS = 3 };
 enum { LEAST_K = 5, MOST_REFINEMENTS = 3, STEP = 4 };
+static const double short_run = 3.0; /* s: a pilot that takes no longer is as large as the answer itself */
 enum { LEAST_TRIALS = 8, MOST_TRIALS = 32, FEWEST_TRIALS = 4 };
 static const double long_run = 60.0; /* s, of a check: one that would take longer has fewer trials */
 static const double memory_share = 0.5; /* of what is free: others take some too */
@@ -61,8 +62,8 @@ static double photon_bytes(void)
 static size_t trials_at_once(const pm__advise_config *config, size_t photons)
 {
     const size_t threads = config->threads ? config->threads : 1;
-    const double fit = config->memory > 0.0 ? memory_share * config->memory / ((double)photons * photon_bytes()) : INFINITY;
-    return fit < (double)threads ? 1 : threads;
+    const double each = (double)photons * photon_bytes();
+    return config->memory > 0.0 && memory_share * config->memory < (double)threads * each ? 1 : threads;
 }
 
 typedef struct order {
@@ -151,7 +152,6 @@ static pm_status run_pilot(const maps *m, size_t first, size_t estimators, const
     o.estimators = specs;
     o.estimator_count = estimators;
     o.seed = pm__advise_pilot_seed(config);
-    o.trials = PILOT_TRIALS;
     const pm_status status = run_bench(config, &o, &rows, &count, error);
     for (size_t i = 0; i < count && status == PM_OK; i++)
         if (strcmp(rows[i].region, "all") == 0)
@@ -171,8 +171,17 @@ static pm_status run_first_pilot(const maps *m, pm_error *error)
     if (!count)
         return pm__fail(error, PM_EINVAL, "%zu photons are too few to learn from: at least %d", photons,
                         LEAST_FIRST_K * LEAST_SHARES);
-    const order o = {.ks = ks, .k_count = count, .photons = photons, .from = 0.0, .to = 0.5};
+    const order o = {.ks = ks, .k_count = count, .photons = photons, .trials = PILOT_TRIALS, .from = 0.0, .to = 0.5};
     return run_pilot(m, 0, m->count, &o, error);
+}
+
+static size_t trials_for(const pm__advise_config *config, const pm__map_choice *choice)
+{
+    /* neighbourhoods that are independent of each other: as many as one has shares, and probes */
+    const double independent = fmin((double)config->probes, choice->photons / choice->k);
+    const double wanted = fmin(fmax(400.0 / independent, LEAST_TRIALS), MOST_TRIALS);
+    const double threads = config->threads ? (double)config->threads : 1.0;
+    return choice->seconds * wanted / threads > long_run ? FEWEST_TRIALS : (size_t)ceil(wanted);
 }
 
 static double seconds_of(const candidate *c, const order *o, size_t threads)
@@ -180,7 +189,7 @@ static double seconds_of(const candidate *c, const order *o, size_t threads)
     double sum = 0.0;
     for (size_t i = 0; i < o->k_count; i++)
         sum += pm__map_seconds(&c->law, (double)o->ks[i], i ? 0.0 : (double)o->photons, c->limits.queries);
-    return sum * PILOT_TRIALS / (double)threads;
+    return sum * (double)o->trials / (double)threads;
 }
 
 /* The answer itself on the scale of 1 / scale: the same share, and its neighbours. False where that is no larger than
@@ -204,13 +213,15 @@ static bool plan_refinement(const candidate *c, double scale, size_t ks[NEXT_KS]
 static pm_status refine(maps *m, candidate *c, bool *done, pm_error *error)
 {
     size_t ks[NEXT_KS];
-    order o = {.from = 0.5, .to = 1.0};
+    order o = {.trials = trials_for(m->of->config, &c->choice), .from = 0.5, .to = 1.0};
     const double left = pm__advise_time_left(m->of);
     const size_t threads = m->of->config->threads ? m->of->config->threads : 1;
-    double scale = STEP;
+    double scale = 1.0;
+    if (plan_refinement(c, scale, ks, &o) && seconds_of(c, &o, threads) > fmin(left, short_run))
+        scale = STEP;
     while (plan_refinement(c, scale, ks, &o) && seconds_of(c, &o, threads) > left)
         scale *= 2.0;
-    *done = !o.k_count || o.photons < FIRST_PHOTONS / STEP;
+    *done = !o.k_count || (scale > 1.0 && o.photons < FIRST_PHOTONS / STEP);
     c->refinements++;
     return *done ? PM_OK : run_pilot(m, (size_t)(c - m->items), 1, &o, error);
 }
@@ -240,8 +251,8 @@ static pm_status settle(maps *m, pm_error *error)
         solve(m, &m->items[i]);
     for (candidate *c = best_of(m); c && status == PM_OK; c = best_of(m)) {
         bool done = false;
-        if (c->refinements == MOST_REFINEMENTS || pm__map_is_near(&c->law, &c->choice) ||
-            pm__advise_time_left(m->of) <= 0.0)
+        if (c->refinements == MOST_REFINEMENTS || pm__advise_time_left(m->of) <= 0.0 ||
+            (c->refinements && pm__map_is_near(&c->law, &c->choice)))
             break;
         status = refine(m, c, &done, error);
         if (done)
@@ -249,15 +260,6 @@ static pm_status settle(maps *m, pm_error *error)
         solve(m, c);
     }
     return status;
-}
-
-static size_t trials_for(const pm__advise_config *config, const pm__map_choice *choice)
-{
-    /* neighbourhoods that are independent of each other: as many as one has shares, and probes */
-    const double independent = fmin((double)config->probes, choice->photons / choice->k);
-    const double wanted = fmin(fmax(400.0 / independent, LEAST_TRIALS), MOST_TRIALS);
-    const double threads = config->threads ? (double)config->threads : 1.0;
-    return choice->seconds * wanted / threads > long_run ? FEWEST_TRIALS : (size_t)ceil(wanted);
 }
 
 static void write_advice(const maps *m, const candidate *c)

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PILOT_PASSES = 32, PILOT_TRIALS = 4, TIMED_PASSES = 4, CHECK_TRIALS = 4, NEAR = 2, ROUNDS = 2 };
+enum { SIDE = 32, PILOT_PASSES = 32, PILOT_TRIALS = 4, TIMED_PASSES = 4, CHECK_TRIALS = 4, NEAR = 2, ROUNDS = 2 };
 static const double most_passes = 1e6;
 const double pm__advise_alpha = 0.667;
 
@@ -34,13 +34,14 @@ typedef struct series_order {
     const pm__spec *method;
     const pm_estimator *kernel;
     uint64_t seed;
+    size_t width, height;
 } series_order;
 
 static pm__progressive_config progressive_of(const series_order *o, progress_stage *stage, bool parallel)
 {
     return (pm__progressive_config){.scene = o->config->subject,
-                                    .width = PM__ADVISE_SIDE,
-                                    .height = PM__ADVISE_SIDE,
+                                    .width = o->width,
+                                    .height = o->height,
                                     .method = o->method,
                                     .estimator = o->kernel,
                                     .alpha = pm__advise_alpha,
@@ -85,13 +86,24 @@ static pm_status time_passes(const series_order *o, uint32_t passes, double *sec
     return status;
 }
 
-/* Slopes of variance and squared bias against passes, as they fall. Where radii do not shrink, the variance falls as that
- * of a mean, and the bias stays. */
+/* Slopes of variance and squared bias against passes, as they fall: those of the law that the method follows. One whose
+ * law is not known is taken to shrink; means of biased maps keep their bias. */
 static void slopes_of(const series_order *o, double *variance, double *bias2)
 {
     const pm__progressive *const method = (const pm__progressive *)(const void *)o->method->entry;
-    *variance = method->law == PM__LAW_SHRINKING ? pm__advise_alpha : 1.0;
-    *bias2 = method->law == PM__LAW_SHRINKING ? 2.0 * (1.0 - pm__advise_alpha) : 0.0;
+    const bool mean = method->law == PM__LAW_MEAN || method->law == PM__LAW_POOLED || method->law == PM__LAW_UNBIASED;
+    const double kept = method->law == PM__LAW_GROWING ? pm__spec_value(o->method, "beta", pm__advise_alpha)
+                                                       : pm__advise_alpha;
+    *variance = mean ? 1.0 : kept;
+    *bias2 = mean ? 0.0 : 2.0 * (1.0 - kept);
+}
+
+/* A bias that does not stand clear of the noise is none. */
+static double bias_of(const pm__converge_row *row)
+{
+    if (isfinite(row->predicted_rms_bias))
+        return row->predicted_rms_bias;
+    return row->rms_bias_ci95.low > 0.0 ? row->rms_bias : 0.0;
 }
 
 static pm__pass_law fit(const series_order *o, const pm__converge_series *series)
@@ -100,7 +112,7 @@ static pm__pass_law fit(const series_order *o, const pm__converge_series *series
     double variance_slope, bias2_slope;
     for (size_t r = 0; r < series->row_count; r++) {
         const pm__converge_row *const row = &series->rows[r];
-        const double bias = isfinite(row->predicted_rms_bias) ? row->predicted_rms_bias : row->rms_bias;
+        const double bias = bias_of(row);
         const double noise = isfinite(row->predicted_rel_noise) ? row->predicted_rel_noise : row->rel_noise;
         samples[r] = (pm__pass_sample){(double)row->pass, noise * noise, bias * bias};
     }
@@ -122,6 +134,8 @@ static void write_advice(const series_order *o, const pm__pass_law *law, double 
     a->photons = PM__ADVISE_PASS;
     a->passes = (uint32_t)passes;
     a->trials = CHECK_TRIALS;
+    a->width = o->width;
+    a->height = o->height;
     a->predicted_rel_noise = sqrt(law->variance_1 * pow(passes, -law->variance_slope));
     a->predicted_rel_bias = sqrt(law->bias2_1 * pow(passes, -law->bias2_slope));
     a->predicted_rel_rmse = pm__pass_error(law, passes);
@@ -166,13 +180,23 @@ static pm_status make_kernel(const pm__spec *estimator, pm_estimator **kernel, p
     return pm_estimator_create(name, kernel, error);
 }
 
+/* Of what the advice is about. The kernel: pm_estimator_destroy. */
+static pm_status make_order(const pm__advise_config *config, const pm__advice *advice, uint64_t seed,
+                            pm_estimator **kernel, series_order *o, pm_error *error)
+{
+    const pm_status status = make_kernel(&advice->estimator, kernel, error);
+    *o = (series_order){config, &advice->method, *kernel, seed, SIDE, SIDE};
+    (void)pm__converge_reference_size(config->subject, &o->width, &o->height);
+    return status;
+}
+
 pm_status pm__advise_passes(pm__advising *a, const pm__spec *method, const pm__spec *estimator, pm_error *error)
 {
     pm__advice *const advice = &a->advice[a->count++];
     pm_estimator *kernel = NULL;
+    series_order o;
     *advice = (pm__advice){.method = *method, .estimator = *estimator, .status = "ok"};
-    pm_status status = make_kernel(estimator, &kernel, error);
-    const series_order o = {a->config, &advice->method, kernel, pm__advise_pilot_seed(a->config)};
+    pm_status status = make_order(a->config, advice, pm__advise_pilot_seed(a->config), &kernel, &o, error);
     if (status == PM_OK)
         status = study(a, &o, advice, error);
     pm_estimator_destroy(kernel);
@@ -183,21 +207,27 @@ pm_status pm__advise_passes(pm__advising *a, const pm__spec *method, const pm__s
     return status;
 }
 
-pm_status pm__advise_verify_passes(const pm__advise_config *config, pm__advice *advice, pm_error *error)
+static pm_status run_and_time(const series_order *o, pm__advice *advice, pm_error *error)
 {
-    pm_estimator *kernel = NULL;
-    pm__converge_series series = {.row_count = 0};
-    pm_status status = make_kernel(&advice->estimator, &kernel, error);
-    const series_order o = {config, &advice->method, kernel, config->seed};
-    if (status == PM_OK)
-        status = run_series(&o, advice->trials, advice->passes, &series, error);
+    pm__converge_series series;
+    pm_status status = run_series(o, advice->trials, advice->passes, &series, error);
     if (status == PM_OK) {
         const pm__converge_row *const last = &series.rows[series.row_count - 1];
         advice->reached_rel_rmse = last->rel_rmse;
         advice->reached_rel_rmse_ci95 = last->rel_rmse_ci95;
-        status = time_passes(&o, advice->passes, &advice->reached_seconds, error);
+        status = time_passes(o, advice->passes, &advice->reached_seconds, error);
     }
     pm__converge_free(&series);
+    return status;
+}
+
+pm_status pm__advise_verify_passes(const pm__advise_config *config, pm__advice *advice, pm_error *error)
+{
+    pm_estimator *kernel = NULL;
+    series_order o;
+    pm_status status = make_order(config, advice, config->seed, &kernel, &o, error);
+    if (status == PM_OK)
+        status = run_and_time(&o, advice, error);
     pm_estimator_destroy(kernel);
     return status;
 }

@@ -52,7 +52,7 @@ START_TEST(an_even_slope_is_a_matter_of_k)
 {
     const pm__advice a = advise("gradient", "disc:last=none", "map", 0.05, 401);
     check(&a, 0.05);
-    ck_assert_double_eq(a.predicted_rel_bias, 0.0);
+    ck_assert_double_lt(a.predicted_rel_bias, 0.015);
 }
 END_TEST
 
