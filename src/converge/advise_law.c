@@ -9,10 +9,10 @@
  * - The bias depends on the radius alone: on s. What k adds (an estimate that counts its k-th photon is 1 / (k - 1) too
  *   bright) is of the order of 1 / k, the square of the error asked for. Over smooth light |bias| grows as s (by
  *   curvature, r^2), where light ends abruptly its root mean square over points as s^(1/4): the strip that sees it has
- *   the width r. Which of them rules changes with s; B^2(s) is therefore a line through ln B^2 over ln s, fitted about s
- *   with weights that fall with distance (a local power law), to samples that stand clear of their noise. Those that do
- *   not are bounds: B^2 does not exceed the upper limit of one with a larger share. Where none does, B^2 = c s is fitted
- *   to all.
+ *   the width r. Which of them rules changes with s; B^2(s) is therefore a line through ln B^2 over ln s, fitted about
+ *   s with weights that fall with distance (a local power law), to samples that stand clear of their noise. Those that
+ *   do not are bounds: B^2 does not exceed the upper limit of one with a larger share. Where none does, B^2 = c s is
+ *   fitted to all.
  * Then error^2 = A / (k - 2) + B^2(s). Each s with B(s) below the error E has one k that gives E, which is
  * k = 2 + A / (E^2 - B^2), and N = k / s: candidates form a curve, along which the cheapest is sought. Shares beyond
  * those that were measured are not considered: a map could not be smaller without looking at all its photons.

@@ -2,7 +2,7 @@
  * there is one estimator and no bias: the smallest map is the cheapest then. */
 #include "../program.h"
 
-#define TINY "--estimator disc:last=none --method map --probes 200 --seconds 1 "
+#define TINY "--estimator disc:last=none --method map --probes 200 --photons 8000 --seconds 1 "
 
 static json_t *row_of(json_t *root, size_t index)
 {
@@ -87,7 +87,8 @@ END_TEST
 START_TEST(the_command_of_passes_does_so_too)
 {
     char command[1200];
-    json_t *const root = pm__expect_json("advise furnace --error 30% --verify --method ppm --seconds 1 --json -");
+    json_t *const root = pm__expect_json(
+        "advise furnace --error 30% --verify --method ppm --photons 60000 --seconds 1 --json -");
     json_t *const row = row_of(root, 0);
     ck_assert(json_is_integer(json_object_get(row, "passes")));
     ck_assert_int_eq(strncmp(text(row, "command"), "photonbench converge ", 21), 0);
@@ -103,7 +104,7 @@ END_TEST
 START_TEST(out_of_reach_says_what_is_not)
 {
     const pm__run *const run =
-        pm__expect("advise square --error 1% --photons 2000 " TINY "--json - --threads 2", 1, "out of reach");
+        pm__expect("advise square --error 1% " TINY "--photons 2000 --json - --threads 2", 1, "out of reach");
     json_error_t error;
     json_t *const root = json_loads(run->out, 0, &error);
     ck_assert_ptr_nonnull(root);
