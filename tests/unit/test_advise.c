@@ -179,6 +179,21 @@ START_TEST(what_is_not_clear_is_a_bound)
 }
 END_TEST
 
+/* Nothing clear: proportional to the share, by least squares. */
+START_TEST(a_vague_bias_is_fitted_all_the_same)
+{
+    pm__map_law law = {.count = 0};
+    for (double k = 32.0; k <= 2048.0; k *= 2.0) {
+        pm__map_sample sample = sample_of(&curved, k, 32768.0);
+        sample.bias2 = 0.02 * k / 32768.0;
+        sample.bias2_error = sample.bias2;
+        ck_assert(pm__map_law_add(&law, &sample));
+    }
+    PM_CHECK_NEAR(pm__map_bias2(&law, 0.01), 2e-4, 1e-9);
+    PM_CHECK_NEAR(pm__map_bias2(&law, 1e-5), 2e-7, 1e-12);
+}
+END_TEST
+
 START_TEST(near_is_a_quarter_of_the_photons_and_half_the_share)
 {
     const pm__map_law law = law_of(&curved); /* 32768 photons, shares 2^-10 to 2^-4 */
@@ -269,5 +284,6 @@ END_TEST
 
 PM_TEST_MAIN("advise", laws_are_continued, the_cheapest_is_found, free_queries_have_a_closed_form,
              without_bias_the_map_is_small, what_is_out_of_reach_says_what_is_not, a_constant_bias_stays,
-             what_is_not_clear_is_a_bound, near_is_a_quarter_of_the_photons_and_half_the_share,
-             useless_samples_are_passed_over, passes_are_fitted_and_solved, refusals_say_why)
+             what_is_not_clear_is_a_bound, a_vague_bias_is_fitted_all_the_same,
+             near_is_a_quarter_of_the_photons_and_half_the_share, useless_samples_are_passed_over,
+             passes_are_fitted_and_solved, refusals_say_why)
