@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 32, PILOT_PASSES = 32, PILOT_TRIALS = 4, TIMED_PASSES = 4, CHECK_TRIALS = 4, NEAR = 2, ROUNDS = 2 };
+enum { SIDE = 32, PILOT_PASSES = 32, FEWEST_PASSES = 4, PILOT_TRIALS = 4, TIMED_PASSES = 2, CHECK_TRIALS = 4, NEAR = 2, ROUNDS = 2 };
 static const double most_passes = 1e6;
 const double pm__advise_alpha = 0.667;
 
@@ -155,11 +155,20 @@ static uint32_t next_passes(const pm__advising *a, const pm__advice *advice, uin
     return advice->passes <= NEAR * done || next < 2.0 * done ? 0 : (uint32_t)next;
 }
 
+/* Of the first pilot: few enough for the time left, but as many as a slope takes. */
+static uint32_t first_passes(const pm__advising *a, double pass_seconds)
+{
+    const double threads = a->config->threads ? (double)a->config->threads : 1.0;
+    const double fit_in = pm__advise_time_left(a) * threads / (PILOT_TRIALS * pass_seconds);
+    const double passes = fmin(fmax(fit_in, FEWEST_PASSES), PILOT_PASSES);
+    return (uint32_t)fmin(passes, fmax(1.0, passes_allowed(a->config)));
+}
+
 static pm_status study(pm__advising *a, const series_order *o, pm__advice *advice, pm_error *error)
 {
     double seconds = 0.0;
-    uint32_t passes = (uint32_t)fmin(PILOT_PASSES, fmax(1.0, passes_allowed(o->config)));
     pm_status status = time_passes(o, TIMED_PASSES, &seconds, error);
+    uint32_t passes = first_passes(a, seconds / TIMED_PASSES);
     for (int round = 0; round < ROUNDS && passes && status == PM_OK; round++) {
         pm__converge_series series;
         status = run_series(o, PILOT_TRIALS, passes, &series, error);
