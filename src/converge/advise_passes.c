@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 32, PILOT_PASSES = 32, FEWEST_PASSES = 4, PILOT_TRIALS = 4, TIMED_PASSES = 2, CHECK_TRIALS = 4, NEAR = 2, ROUNDS = 2 };
+enum { SIDE = 32, PILOT_PASSES = 32, FEWEST_PASSES = 4, PILOT_TRIALS = 4, TIMED_PASSES = 2, CHECK_TRIALS = 4 };
+enum { NEAR = 2, ROUNDS = 2 };
 static const double most_passes = 1e6;
 const double pm__advise_alpha = 0.667;
 

@@ -18,8 +18,8 @@ static pm__advice advise(const char *subject, const char *estimators, const char
     PM_CHECK_OK(pm__spec_parse_list(&pm__estimators, estimators, &kernels, &kernel_count, &message), message);
     const pm__advise_config config = {.subject = &of, .error = error, .estimators = kernels,
                                       .estimator_count = kernel_count, .methods = &how, .method_count = 1,
-                                      .probes = 500, .most_photons = 320000, .seconds = 2.0, .seed = seed, .parallel = &parallel,
-                                      .threads = threads};
+                                      .probes = 500, .most_photons = 320000, .seconds = 2.0, .seed = seed,
+                                      .parallel = &parallel, .threads = threads};
     PM_CHECK_OK(pm__advise(&config, &advice, &count, &message), message);
     ck_assert_uint_ge(count, 1);
     ck_assert(advice[0].advised);
