@@ -23,6 +23,7 @@ void pm__settings_free(pm__settings *settings)
     free(settings->searches.items);
     free(settings->photons.items);
     free(settings->converge.methods.items);
+    free(settings->advise.methods.items);
     free(settings->command_line);
 }
 

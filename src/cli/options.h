@@ -40,6 +40,12 @@ typedef struct pm__converge_options {
     const char *checkpoint, *resume;          /* files */
     double checkpoint_seconds;                /* between two */
 } pm__converge_options;
+/* What `advise` alone asks. */
+typedef struct pm__advise_options {
+    pm__specs methods;
+    double error; /* relative; 0: not given */
+    bool verify;
+} pm__advise_options;
 
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
 typedef struct pm__settings {
@@ -65,6 +71,7 @@ typedef struct pm__settings {
     unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
     pm__render_options render;
     pm__converge_options converge;
+    pm__advise_options advise;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;
