@@ -1,5 +1,6 @@
 /* converge: how fast progressive methods converge, beside what theory says. */
 #include "commands.h"
+#include "converge_keep.h"
 #include "converge_options.h"
 #include "converge_task.h"
 #include "interrupt.h"
@@ -18,7 +19,7 @@
 
 enum { PHOTONS = 20000, K = 50, SIDE = 32, LONGEST_LABEL = 64 };
 enum { QUICK_TRIALS = 8, FULL_TRIALS = 32, QUICK_PASSES = 256, FULL_PASSES = 1024 };
-static const double default_alpha = 0.667;
+static const double default_alpha = 0.667, default_checkpoint_seconds = 60.0;
 
 /* A task and all that it points at. */
 typedef struct work {
@@ -28,6 +29,8 @@ typedef struct work {
     pm_parallel parallel;
     size_t item; /* in hand */
     pm__progress progress;
+    pm__keep keep;
+    bool resumed; /* the series in hand: what it reports first was done before */
 } work;
 
 static const pm__progressive *method_of(const pm__spec *spec)
@@ -51,6 +54,10 @@ static pm_status fill_defaults(pm__settings *s, pm_error *error)
         status = pm__default_specs(&pm__estimators, "disc", &s->estimators, error);
     if (status == PM_OK)
         status = pm__default_specs(&pm__samplers, "poisson", &s->samplers, error);
+    if (c->checkpoint_seconds > 0.0 && !c->checkpoint && !c->resume)
+        return pm__fail(error, PM_EINVAL, "--checkpoint-seconds needs --checkpoint or --resume");
+    if (c->checkpoint_seconds <= 0.0)
+        c->checkpoint_seconds = default_checkpoint_seconds;
     if (!c->alpha_count)
         c->alphas[c->alpha_count++] = default_alpha;
     if (!s->trials)
@@ -80,13 +87,25 @@ static bool wants_k(const pm__settings *s)
     return false;
 }
 
+/* A checkpoint is no place for rows too. */
+static pm_status check_files(const pm__settings *s, pm_error *error)
+{
+    const char *const others[] = {s->json, s->csv, s->markdown, s->output};
+    const char *const ours[] = {s->converge.checkpoint, s->converge.resume};
+    for (size_t i = 0; i < 8; i++)
+        if (others[i / 2] && ours[i % 2] && strcmp(others[i / 2], ours[i % 2]) == 0)
+            return pm__fail(error, PM_EINVAL, "--%s and an output of rows are both '%.200s'",
+                            i % 2 ? "resume" : "checkpoint", ours[i % 2]);
+    return PM_OK;
+}
+
 static pm_status check(const pm__settings *s, pm_error *error)
 {
     const pm__converge_options *const c = &s->converge;
     if (k_of(s) > c->photons_per_pass && wants_k(s))
         return pm__fail(error, PM_EINVAL, "--k %zu%s is more than --photons-per-pass %zu", k_of(s),
                         s->ks.count ? "" : " (the default)", c->photons_per_pass);
-    return PM_OK;
+    return check_files(s, error);
 }
 
 /* Without --size as many points as there are blocks of a stored reference, where one is needed. */
@@ -167,6 +186,7 @@ static void free_work(work *w)
         pm__converge_free(&w->task.items[i].series);
     free(w->kernels);
     free(w->task.items);
+    pm__keep_close(&w->keep);
 }
 
 /* ---- The run ----------------------------------------------------------------------------------- */
@@ -178,7 +198,17 @@ static void show_progress(void *context, double fraction, const char *what)
     char label[LONGEST_LABEL];
     (void)what;
     (void)snprintf(label, sizeof label, "%s, %s", strchr(item->scene->entry->name, ':') + 1, item->method->entry->name);
-    pm__progress_update(&w->progress, ((double)w->item + fraction) / (double)w->task.count, label);
+    const double done = ((double)w->item + fraction) / (double)w->task.count;
+    if (w->resumed)
+        pm__progress_resume(&w->progress, done);
+    w->resumed = false;
+    pm__progress_update(&w->progress, done, label);
+}
+
+static pm_status save(void *context, const pm__saved *saved, pm_error *error)
+{
+    work *const w = context;
+    return pm__keep_take(&w->keep, w->item, saved, error);
 }
 
 static bool is_canceled(void *context)
@@ -219,6 +249,8 @@ static void configure(work *w)
         .watched = w->watched,
         .watched_count = c->at_count,
         .progress = show_progress,
+        .save = c->checkpoint || c->resume ? save : NULL,
+        .save_seconds = c->checkpoint_seconds,
     };
 }
 
@@ -231,6 +263,8 @@ static pm_status measure(work *w, pm_error *error)
     config.progressive.method = item->method;
     config.progressive.estimator = w->kernels[item->kernel];
     config.progressive.alpha = item->alpha;
+    config.from = pm__keep_from(&w->keep, w->item);
+    w->resumed = config.from != NULL;
     pm_status status = size_of(w->task.settings, item->scene, &config.progressive.width, &config.progressive.height,
                                error);
     for (size_t i = 0; i < config.watched_count; i++)
@@ -238,6 +272,8 @@ static pm_status measure(work *w, pm_error *error)
                         w->task.settings->converge.at[i][0];
     if (status == PM_OK)
         status = pm__converge(&config, &item->series, error);
+    if (status == PM_EFORMAT && config.from)
+        return pm__keep_refuse(&w->keep, w->item, error);
     if (status == PM_EINVAL) {
         item->status = "unsupported";
         (void)snprintf(item->detail, sizeof item->detail, "%.*s", (int)sizeof item->detail - 1, error->text);
@@ -262,9 +298,21 @@ static pm_status measure_all(work *w, pm_error *error)
         if (!*error->text || (status != PM_OK && status != PM_ECANCELED))
             *error = reason;
         refused += status == PM_OK && strcmp(w->task.items[w->item].status, "unsupported") == 0;
+        if (status == PM_OK)
+            pm__keep_done(&w->keep, w->item);
     }
     pm__progress_end(&w->progress);
     return refused == w->task.count ? PM_EINVAL : status;
+}
+
+/* Whatever ended the work: all that was done is in the checkpoint. */
+static pm_status keep_state(work *w, pm_status status, pm_error *error)
+{
+    if (status == PM_EINVAL || w->keep.unreadable)
+        return status;
+    const bool fine = status == PM_OK || status == PM_ECANCELED;
+    const pm_status kept = pm__keep_flush(&w->keep, fine ? error : NULL);
+    return fine && kept != PM_OK ? kept : status;
 }
 
 static pm_status do_job(work *w, pm_error *error)
@@ -273,11 +321,15 @@ static pm_status do_job(work *w, pm_error *error)
     const double start = pm__seconds();
     pm_status status = make_series(w, error);
     if (status == PM_OK)
+        status = pm__keep_open(&w->task, &w->keep, error);
+    if (status == PM_OK)
         status = pm__sinks_open(w->task.settings, true, &sinks, error);
     pm__interrupt_watch(); /* from here on there is something to save */
     if (status != PM_OK)
         return status;
+    pm__keep_greet(&w->keep, w->task.count);
     status = measure_all(w, error);
+    status = keep_state(w, status, error);
     if (status != PM_OK && status != PM_ECANCELED) {
         pm__sinks_discard(&sinks);
         return status;
@@ -289,11 +341,12 @@ static pm_status do_job(work *w, pm_error *error)
     return written ? written : status;
 }
 
-static void report(const pm__settings *s, pm_status status, const pm_error *error)
+static void report(const work *w, pm_status status, const pm_error *error)
 {
-    if (status == PM_ECANCELED && !s->quiet)
+    if (status == PM_ECANCELED && !w->task.settings->quiet) {
         pm__complain("converge", "interrupted: rows are of the trials that were complete, where there are two");
-    else if (status != PM_OK && status != PM_ECANCELED)
+        pm__keep_part(&w->keep);
+    } else if (status != PM_OK && status != PM_ECANCELED)
         pm__complain("converge", "%s", *error->text ? error->text : pm_status_text(status));
 }
 
@@ -313,9 +366,10 @@ static int run(pm__settings *settings)
         configure(&w);
         status = do_job(&w, &error);
     }
-    report(settings, status, &error);
+    report(&w, status, &error);
+    const int end = w.keep.unreadable ? pm__exit_status_of_input(status) : pm__exit_status(status);
     free_work(&w);
-    return pm__exit_status(status);
+    return end;
 }
 
 static const pm__option *const options_taken[] = {
@@ -323,7 +377,8 @@ static const pm__option *const options_taken[] = {
     &pm__converge_option_trials,  &pm__converge_option_passes,    &pm__converge_option_photons_per_pass,
     &pm__converge_option_photons, &pm__converge_option_radius,    &pm__converge_option_k,
     &pm__converge_option_size,    &pm__converge_option_seconds,   &pm__converge_option_at,
-    &pm__converge_option_sampler, &pm__converge_option_error,     &pm__option_search,
+    &pm__converge_option_sampler, &pm__converge_option_error,     &pm__converge_option_checkpoint,
+    &pm__converge_option_checkpoint_seconds, &pm__converge_option_resume, &pm__option_search,
     &pm__option_front,            &pm__option_profile,            &pm__option_seed,
     &pm__option_threads,          &pm__option_json,               &pm__option_csv,
     &pm__option_markdown,         &pm__option_output,             &pm__option_quiet};
@@ -340,11 +395,17 @@ const pm__command pm__command_converge = {
             "over runs. With --error runs estimate their own error, without the truth, and end by it; how often\n"
             "they were right stands beside it. Ctrl-C shows what the runs that were complete say, if there are\n"
             "two; a second one ends at once.\n\n"
+            "With --checkpoint the state is saved at an interval, at the end, and when SIGINT or SIGTERM comes\n"
+            "(status 130). --resume goes on from there, with the same options (but for --threads and where rows\n"
+            "go), to the same rows to the last bit but for seconds. A file that is damaged is refused (status 3),\n"
+            "and so is one of other options (status 2).\n\n"
             "Examples:\n"
             "  photonbench converge plate\n"
             "  photonbench converge plate water --method ppm,sppm,pppm --alpha 0.5,0.667,0.8 --trials 16\n"
             "  photonbench converge glass-sphere --passes 64 --at 16,16 --at 4,28 --json converge.json\n"
-            "  photonbench converge furnace --method pppm --estimator disc,epanechnikov --seconds 60 --csv -\n",
+            "  photonbench converge furnace --method pppm --estimator disc,epanechnikov --seconds 60 --csv -\n"
+            "  photonbench converge cornell --profile full --checkpoint state --json cornell.json\n"
+            "  photonbench converge cornell --profile full --resume state --json cornell.json\n",
     .options = options_taken,
     .option_count = sizeof options_taken / sizeof *options_taken,
     .run = run,

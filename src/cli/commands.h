@@ -33,6 +33,7 @@ typedef struct pm__command {
     X(speed)                \
     X(render)               \
     X(converge)             \
+    X(advise)               \
     X(estimate)             \
     X(compare)              \
     X(list)                 \

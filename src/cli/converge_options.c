@@ -116,6 +116,29 @@ static pm_status set_at(pm__settings *s, const char *text, pm_error *error)
     return PM_OK;
 }
 
+/* It is read again, and replaced: no stream. */
+static pm_status set_file(const char *text, const char **path, pm_error *error)
+{
+    if (strcmp(text, "-") == 0)
+        return pm__fail(error, PM_EINVAL, "'-': expected a file");
+    return pm__parse_path(text, path, error);
+}
+
+static pm_status set_checkpoint(pm__settings *s, const char *text, pm_error *error)
+{
+    return set_file(text, &s->converge.checkpoint, error);
+}
+
+static pm_status set_checkpoint_seconds(pm__settings *s, const char *text, pm_error *error)
+{
+    return pm__parse_positive(text, &s->converge.checkpoint_seconds, error);
+}
+
+static pm_status set_resume(pm__settings *s, const char *text, pm_error *error)
+{
+    return set_file(text, &s->converge.resume, error);
+}
+
 const pm__option pm__converge_option_method = {
     "method", 0, "METHOD,...", "how answers get better, or all (ppm)", set_method};
 const pm__option pm__converge_option_estimator = {
@@ -144,3 +167,9 @@ const pm__option pm__converge_option_at = {
     "at", 0, "X,Y", "a pixel whose photons, radius and estimate are wanted too; may be repeated", set_at};
 const pm__option pm__converge_option_sampler = {
     "sampler", 0, "SAMPLER", "how photons leave the lights (poisson)", set_sampler};
+const pm__option pm__converge_option_checkpoint = {
+    "checkpoint", 0, "FILE", "where the state is saved now and then, at the end, and when interrupted", set_checkpoint};
+const pm__option pm__converge_option_checkpoint_seconds = {
+    "checkpoint-seconds", 0, "S", "time between two checkpoints (60)", set_checkpoint_seconds};
+const pm__option pm__converge_option_resume = {
+    "resume", 0, "FILE", "go on from this checkpoint of the same options, and keep it up to date", set_resume};

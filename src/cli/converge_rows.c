@@ -250,8 +250,7 @@ static json_t *pixels_of(const pm__converge_options *c)
     return list;
 }
 
-/* Everything that is needed to run the same again. */
-static json_t *options_of(const pm__converge_task *task)
+json_t *pm__converge_options_of(const pm__converge_task *task)
 {
     const pm__settings *const s = task->settings;
     const pm__converge_options *const c = &s->converge;
@@ -286,7 +285,7 @@ pm_status pm__converge_write(const pm__converge_task *task, double wall_s, bool 
 {
     source from = {.task = task};
     pm_status status = find_places(&from, error);
-    json_t *const options = options_of(task);
+    json_t *const options = pm__converge_options_of(task);
     const pm__side_rows beside[] = {{"fits", fit_fields, FIT_COUNT, from.fit_count, fill_fit, &from},
                                     {"points", point_fields, POINT_COUNT, from.point_count, fill_point, &from}};
     const pm__results results = {.command = "converge",

@@ -24,6 +24,9 @@ typedef struct pm__converge_task {
     const char *search;
 } pm__converge_task;
 
+/* The options in effect: all that is needed to run the same again. converge_rows.c */
+json_t *pm__converge_options_of(const pm__converge_task *task);
+
 /* "variance", ... converge_rows.c */
 extern const char *const pm__converge_quantity_names[PM__QUANTITIES];
 

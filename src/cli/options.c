@@ -23,6 +23,7 @@ void pm__settings_free(pm__settings *settings)
     free(settings->searches.items);
     free(settings->photons.items);
     free(settings->converge.methods.items);
+    free(settings->advise.methods.items);
     free(settings->command_line);
 }
 
@@ -132,7 +133,7 @@ static pm_status check_outputs(const pm__settings *settings, pm_error *error)
     return PM_OK;
 }
 
-static void write_word(FILE *file, const char *word)
+void pm__write_word(FILE *file, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:,=+@%";
     if (*word && !word[strspn(word, plain)]) {
@@ -157,7 +158,7 @@ static pm_status keep_command_line(int argc, char **argv, pm__settings *settings
     (void)fputs("photonbench", file);
     for (int i = 0; i < argc; i++) {
         (void)fputc(' ', file);
-        write_word(file, argv[i]);
+        pm__write_word(file, argv[i]);
     }
     return fclose(file) == 0 ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory");
 }

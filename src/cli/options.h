@@ -38,7 +38,15 @@ typedef struct pm__converge_options {
     double error;                             /* relative, by which runs end */
     size_t at[PM__MAX_WATCHED][2];            /* pixels x, y */
     size_t at_count;
+    const char *checkpoint, *resume;          /* files */
+    double checkpoint_seconds;                /* between two */
 } pm__converge_options;
+/* What `advise` alone asks. */
+typedef struct pm__advise_options {
+    pm__specs methods;
+    double error; /* relative; 0: not given */
+    bool verify;
+} pm__advise_options;
 
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
 typedef struct pm__settings {
@@ -64,6 +72,7 @@ typedef struct pm__settings {
     unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
     pm__render_options render;
     pm__converge_options converge;
+    pm__advise_options advise;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;
@@ -92,6 +101,9 @@ void pm__settings_init(pm__settings *settings);
 pm_status pm__options_parse(const struct pm__command *command, int argc, char **argv, pm__settings *settings,
                             pm_error *error);
 void pm__settings_free(pm__settings *settings);
+
+/* A word as a shell takes it: plain, or quoted. */
+void pm__write_word(FILE *file, const char *word);
 
 /* "sphere", "ellipsoid:3", "disc:0.01". */
 void pm__lookup_format(const pm__shape *shape, char text[48]);

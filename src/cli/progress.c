@@ -31,20 +31,26 @@ void pm__progress_start(pm__progress *progress, bool quiet)
 {
     progress->shown = !quiet && isatty(STDERR_FILENO) && !is_dumb();
     progress->start = pm__seconds();
-    progress->last = 0.0;
+    progress->last = progress->before = 0.0;
     progress->width = progress->shown ? terminal_width() : 0;
 }
 
 /* "12 s left", "3 min left"; nothing while it is too early to tell. */
-static void time_left(double elapsed, double fraction, char *text, size_t size)
+static void time_left(double elapsed, double before, double fraction, char *text, size_t size)
 {
-    const double left = fraction > 0.0 ? elapsed * (1.0 - fraction) / fraction : 0.0;
-    if (elapsed < 1.0 || fraction < 0.01)
+    const double done = fraction - before, left = done > 0.0 ? elapsed * (1.0 - fraction) / done : 0.0;
+    if (elapsed < 1.0 || done < 0.01 * (1.0 - before))
         *text = '\0';
     else if (left < 100.0)
         (void)snprintf(text, size, "%.0f s left", left);
     else
         (void)snprintf(text, size, "%.0f min left", left / 60.0);
+}
+
+void pm__progress_resume(pm__progress *progress, double fraction)
+{
+    progress->start = pm__seconds();
+    progress->before = fraction;
 }
 
 void pm__progress_update(pm__progress *progress, double fraction, const char *what)
@@ -55,7 +61,7 @@ void pm__progress_update(pm__progress *progress, double fraction, const char *wh
     progress->last = now;
     const double clamped = fraction < 0.0 ? 0.0 : fraction > 1.0 ? 1.0 : fraction;
     char left[32], bar[BAR + 1], line[256];
-    time_left(now - progress->start, clamped, left, sizeof left);
+    time_left(now - progress->start, progress->before, clamped, left, sizeof left);
     const size_t full = (size_t)(clamped * BAR);
     memset(bar, '.', BAR);
     memset(bar, '#', full);

@@ -44,6 +44,7 @@ typedef struct expecting {
     double shares[NODES];  /* of the first disc's area, from 1 downward; of lookups that do not shrink 1 alone */
     size_t k[NODES], photons[NODES]; /* k 0: all within the share */
     pm__expectation *to;
+    _Atomic bool canceled;
 } expecting;
 
 /* ---- One pass at one point --------------------------------------------------------------------- */
@@ -255,10 +256,12 @@ static void sum_passes(const expecting *e, const one_lookup *law, size_t i)
 
 static void expect_block(void *argument, size_t block)
 {
-    const expecting *const e = argument;
+    expecting *const e = argument;
     const pm__progressive_config *const config = e->of->config;
-    if (config->canceled && config->canceled(config->context))
+    if (config->canceled && config->canceled(config->context)) {
+        atomic_store(&e->canceled, true);
         return;
+    }
     for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < e->of->points; i++) {
         one_lookup law;
         for (size_t r = 0; r < e->records; r++)
@@ -327,9 +330,10 @@ pm_status pm__expectation_create(const pm__progression *progression, const uint3
     pm__for(progression->config->parallel, (points + POINTS - 1) / POINTS, expect_block, &e);
     for (size_t i = 0; i < points; i++)
         expectation->lawful_count += expectation->lawful[i];
-    if (!expectation->lawful_count)
+    const bool canceled = atomic_load(&e.canceled);
+    if (!expectation->lawful_count || canceled)
         pm__expectation_destroy(expectation);
-    return PM_OK;
+    return canceled ? pm__fail(error, PM_ECANCELED, "canceled before what is expected was known") : PM_OK;
 }
 
 void pm__expectation_destroy(pm__expectation *expectation)

@@ -36,8 +36,8 @@ typedef struct pm__expectation {
 } pm__expectation;
 
 /* After passes[0 .. records - 1], ascending, of which the last ends the run. Empty where the scene or the method has no
- * law that is known: photons that differ, light that a formula does not cover. ENOMEM. Cost: some hundred lookups of
- * the case's `mass` a point. */
+ * law that is known: photons that differ, light that a formula does not cover. ENOMEM; ECANCELED: then it is empty.
+ * Cost: some hundred lookups of the case's `mass` a point. */
 pm_status pm__expectation_create(const pm__progression *progression, const uint32_t *passes, size_t records,
                                  pm__expectation *expectation, pm_error *error);
 void pm__expectation_destroy(pm__expectation *expectation);

@@ -58,6 +58,9 @@ static void pass_count(tape *t, size_t *count)
 /* What the first run said of itself. */
 static void pass_row(tape *t, pm__converge_row *row)
 {
+    if (t->reading) /* the rest is not of the run: as it is before it is worked out */
+        *row = (pm__converge_row){
+            .predicted_rel_bias = NAN, .predicted_rms_bias = NAN, .predicted_rel_noise = NAN};
     pass_bytes(t, &row->pass, sizeof row->pass);
     pass_bytes(t, &row->photons, sizeof row->photons);
     pass_bytes(t, &row->seconds, sizeof row->seconds);
@@ -66,13 +69,16 @@ static void pass_row(tape *t, pm__converge_row *row)
 /* The counts by which all the rest is sized: they are looked at before that is touched. */
 static bool pass_counts(tape *t, pm__measuring *m, double *gone, unsigned char *running)
 {
+    unsigned char reached = m->series->reached;
     pass_bytes(t, gone, sizeof *gone);
     pass_count(t, &m->records);
     pass_count(t, &m->series->trials);
     pass_count(t, &m->record);
     pass_bytes(t, running, sizeof *running);
-    return !t->short_of && m->records >= 1 && m->records <= m->room && m->series->trials <= m->config->trials &&
-           m->record <= m->records && *running <= 1 && (!*running || m->series->trials < m->config->trials) &&
+    pass_bytes(t, &reached, sizeof reached);
+    m->series->reached = reached == 1;
+    return !t->short_of && reached <= 1 && m->records >= 1 && m->records <= m->room &&
+           m->series->trials <= m->config->trials && m->record <= m->records && *running <= 1 && (!*running || m->series->trials < m->config->trials) &&
            (*running || m->record == 0) && isfinite(*gone) && *gone >= 0.0;
 }
 
@@ -85,12 +91,17 @@ static bool are_passes(const pm__measuring *m, uint32_t planned)
     return ascending;
 }
 
-static void pass_run(tape *t, pm__run *run, double *state)
+static size_t state_count(const pm__measuring *m)
+{
+    return pm__run_state_count(&m->progression);
+}
+
+static void pass_run(tape *t, pm__run *run, double *state, size_t count)
 {
     pass_bytes(t, &run->passes, sizeof run->passes);
     pass_bytes(t, &run->emitted, sizeof run->emitted);
     pass_bytes(t, &run->stored, sizeof run->stored);
-    pass_bytes(t, state, pm__run_state_count(run->of) * sizeof *state);
+    pass_bytes(t, state, count * sizeof *state);
 }
 
 static void pass_errors(tape *t, pm__measuring *m)
@@ -109,9 +120,6 @@ static void pass_errors(tape *t, pm__measuring *m)
 static void pass_readings(tape *t, pm__measuring *m)
 {
     const size_t done = m->series->trials ? m->records : m->record;
-    unsigned char reached = m->series->reached;
-    pass_bytes(t, &reached, sizeof reached);
-    m->series->reached = reached != 0;
     pass_bytes(t, m->passes, m->records * sizeof *m->passes);
     for (size_t r = 0; r < done; r++)
         pass_row(t, &m->series->rows[r]);
@@ -127,7 +135,7 @@ static void write_all(tape *t, pm__measuring *m)
     (void)pass_counts(t, m, &gone, &running);
     pass_readings(t, m);
     if (running)
-        pass_run(t, &m->run, m->run.state);
+        pass_run(t, &m->run, m->run.state, state_count(m));
 }
 
 pm_status pm__measuring_save(const pm__measuring *m, pm__saved *saved, pm_error *error)
@@ -158,11 +166,11 @@ static bool is_between(const pm__measuring *m)
 static pm_status restore_run(tape *t, pm__measuring *m, pm_error *error)
 {
     pm_status status = pm__run_begin(&m->progression, (uint32_t)m->series->trials, &m->run, error);
-    double *const state = pm__alloc(pm__run_state_count(&m->progression), sizeof *state);
+    double *const state = pm__alloc(state_count(m), sizeof *state);
     if (status == PM_OK && !state)
         status = pm__fail(error, PM_ENOMEM, "out of memory for %zu points", m->progression.points);
     if (status == PM_OK) {
-        pass_run(t, &m->run, state);
+        pass_run(t, &m->run, state, state_count(m));
         status = t->short_of || !is_between(m) ? damaged(error)
                                                : pm__run_resume(&m->run, state, m->run.passes, error);
     }

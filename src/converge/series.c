@@ -255,13 +255,14 @@ static void close_up(pm__measuring *m)
         memmove(m->errors + t * row, m->errors + t * room, row * sizeof *m->errors);
 }
 
-/* Of the passes that were done, where time cut them short. */
+/* Of the passes that were done, where time cut them short. Canceled, rows go without. */
 static pm_status expect_again(pm__measuring *m, pm_error *error)
 {
     if (!m->expectation.lawful || m->passes[m->records - 1] == most_passes(m->config))
         return PM_OK;
     pm__expectation_destroy(&m->expectation);
-    return pm__expectation_create(&m->progression, m->passes, m->records, &m->expectation, error);
+    const pm_status status = pm__expectation_create(&m->progression, m->passes, m->records, &m->expectation, error);
+    return status == PM_ECANCELED ? PM_OK : status;
 }
 
 static pm_status finish(pm__measuring *m, pm_error *error)
@@ -353,6 +354,8 @@ pm_status pm__converge(const pm__converge_config *config, pm__converge_series *s
     m.start = m.saved = pm__seconds();
     if (status == PM_OK && config->from)
         status = pm__measuring_restore(&m, config->from, error);
+    if (status == PM_OK && config->from)
+        report(&m, series->trials, m.run.passes);
     if (status == PM_OK)
         status = run_trials(&m, error);
     if (status == PM_OK)

@@ -32,9 +32,9 @@ typedef struct pm__harvest {
 } pm__harvest;
 
 /* Traces paths until `wanted` photons are stored, the last path as a whole, or `most` paths are traced, or next to none
- * is stored: then count < wanted. Uses config's normals, parallel and canceled. Memory: what is given back, and the
- * photons of a few thousand paths. EINVAL: a photon's power is more than a float holds; ENOMEM; ECANCELED; on error
- * nothing is to be freed. */
+ * is stored: then count < wanted. Uses config's normals, parallel and canceled. Memory: what is given back, and for
+ * each thread what about a thousand paths store; while one of them lags behind, what 131072 paths do at most. EINVAL:
+ * a photon's power is more than a float holds; ENOMEM; ECANCELED; on error nothing is to be freed. */
 pm_status pm__harvest_paths(const pm__shoot_config *config, const pm__harvest_wish *wish, pm__harvest *harvest,
                             pm_error *error);
 void pm__harvest_free(pm__harvest *harvest);

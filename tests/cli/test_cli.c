@@ -11,7 +11,7 @@ END_TEST
 START_TEST(overview)
 {
     const char *const out = pm__expect("help", 0, NULL)->out;
-    const char *const names[] = {"accuracy", "search",  "speed", "render", "converge",
+    const char *const names[] = {"accuracy", "search",  "speed", "render", "converge", "advise",
                                  "estimate", "compare", "list",  "help"};
     char line[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -37,7 +37,7 @@ static void check_width(const char *text)
 
 START_TEST(help_of_commands)
 {
-    const char *const names[] = {"accuracy", "search",  "speed", "render", "converge",
+    const char *const names[] = {"accuracy", "search",  "speed", "render", "converge", "advise",
                                  "estimate", "compare", "list",  "help"};
     char arguments[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {

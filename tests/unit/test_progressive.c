@@ -3,6 +3,8 @@
  * pi r^2, so estimates have no error but noise. It shines 1 W/(m2 sr) and reflects as much (albedo 1/2). */
 #include "../progress.h"
 
+#include <stdio.h>
+
 static const double pi = 3.14159265358979323846;
 static const double two_thirds = 2.0 / 3.0;
 
@@ -366,11 +368,48 @@ START_TEST(threads_change_nothing)
 }
 END_TEST
 
+/* ---- Memory ------------------------------------------------------------------------------------ */
+
+/* kB of the process that are in memory. */
+static double resident(void)
+{
+    FILE *const file = fopen("/proc/self/statm", "r");
+    long all = 0, here = 0;
+    ck_assert_ptr_nonnull(file);
+    ck_assert_int_eq(fscanf(file, "%ld %ld", &all, &here), 2);
+    (void)fclose(file);
+    return 4.0 * (double)here;
+}
+
+/* A thousand passes hold what a hundred do. Sanitizers keep what is freed: they are not asked. */
+START_TEST(memory_does_not_grow_with_passes)
+{
+#if !defined(__SANITIZE_ADDRESS__)
+    static const char *const methods[] = {"ppm", "sppm", "pppm"};
+    for (size_t i = 0; i < 3; i++) {
+        progress *const p = progress_open(progress_create("scene:plate", methods[i], "disc", 0.0));
+        pm__run run = progress_begin(p, 0);
+        progress_pass(&run, 100);
+        const double before = resident();
+        progress_pass(&run, 900);
+        const double after = resident();
+        ck_assert_msg(after <= 1.02 * before, "%s: %.0f kB after 100 passes, %.0f after 1000", methods[i], before,
+                      after);
+        pm__run_end(&run);
+        progress_free(p);
+    }
+#else
+    (void)resident;
+#endif
+}
+END_TEST
+
 int main(void)
 {
     const TTest *const once[] = {ppm_is_the_mean_of_its_passes, pppm_keeps_its_schedule,
                                  average_and_combination_of_maps, one_map_of_all_passes, appm_takes_the_optimum,
-                                 appm_keeps_its_bounds, appm_without_photons_follows_the_schedule};
+                                 appm_keeps_its_bounds, appm_without_photons_follows_the_schedule,
+                                 memory_does_not_grow_with_passes};
     Suite *const suite = suite_create("progressive");
     TCase *const tcase = tcase_create("progressive");
     tcase_set_timeout(tcase, 300);

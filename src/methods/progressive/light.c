@@ -165,7 +165,7 @@ static void see_block(void *argument, size_t block)
 
 /* ---- The method -------------------------------------------------------------------------------- */
 
-static pm_status pass(pm__run *run, pm_error *error)
+static pm_status whole_pass(pm__run *run, pm_error *error)
 {
     pm__photon_set set = {0};
     joining work = {.run = run, .set = &set, .splats = pm__alloc((size_t)PHOTONS * BLOCKS, sizeof *work.splats)};
@@ -181,6 +181,25 @@ static pm_status pass(pm__run *run, pm_error *error)
         status = pm__fail(error, PM_ECANCELED, "canceled while photons were joined to the camera");
     pm__photon_set_free(&set);
     free(work.splats);
+    return status;
+}
+
+/* Canceled between rounds, the run is as it was before: some had been added. */
+static pm_status pass(pm__run *run, pm_error *error)
+{
+    const size_t size = run->of->points * FIELDS * sizeof *run->state;
+    const uint64_t emitted = run->emitted, stored = run->stored;
+    double *const before = pm__alloc(size, 1);
+    if (!before)
+        return pm__fail(error, PM_ENOMEM, "out of memory for %zu points", run->of->points);
+    memcpy(before, run->state, size);
+    const pm_status status = whole_pass(run, error);
+    if (status != PM_OK) {
+        memcpy(run->state, before, size);
+        run->emitted = emitted;
+        run->stored = stored;
+    }
+    free(before);
     return status;
 }
 

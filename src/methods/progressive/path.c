@@ -8,10 +8,12 @@
 #include "progressive.h"
 
 #include "../../base/clock.h"
+#include "../../base/memory.h"
 #include "../../base/parallel.h"
 #include "../../transport/paths.h"
 
 #include <stdatomic.h>
+#include <stdlib.h>
 
 enum { SUM, FIELDS = SUM + 3 };
 enum { POINTS = 256 }; /* of one task */
@@ -52,6 +54,7 @@ static void trace(const pm__run *run, size_t point, double radiance[3])
 
 typedef struct tracing {
     pm__run *run;
+    double (*radiance)[3]; /* [points]: the state takes them when all are there, so that a pass is whole or not done */
     _Atomic bool canceled;
 } tracing;
 
@@ -64,21 +67,30 @@ static void trace_block(void *argument, size_t block)
         atomic_store(&work->canceled, true);
         return;
     }
-    for (size_t i = block * POINTS; i < end && i < points; i++) {
-        double radiance[3], *const state = work->run->state + i * FIELDS;
-        trace(work->run, i, radiance);
-        for (int b = 0; b < 3; b++)
-            state[SUM + b] += radiance[b];
-    }
+    for (size_t i = block * POINTS; i < end && i < points; i++)
+        trace(work->run, i, work->radiance[i]);
+}
+
+static void take(const tracing *work)
+{
+    for (size_t i = 0; i < work->run->of->points; i++)
+        for (size_t b = 0; b < 3; b++)
+            work->run->state[i * FIELDS + SUM + b] += work->radiance[i][b];
 }
 
 static pm_status pass(pm__run *run, pm_error *error)
 {
-    tracing work = {.run = run};
+    tracing work = {.run = run, .radiance = pm__alloc(run->of->points, sizeof *work.radiance)};
     const double start = pm__seconds();
+    if (!work.radiance)
+        return pm__fail(error, PM_ENOMEM, "out of memory for %zu points", run->of->points);
     pm__for(run->of->config->parallel, (run->of->points + POINTS - 1) / POINTS, trace_block, &work);
+    const bool canceled = atomic_load(&work.canceled);
+    if (!canceled)
+        take(&work);
+    free(work.radiance);
     run->trace_s += pm__seconds() - start;
-    return atomic_load(&work.canceled) ? pm__fail(error, PM_ECANCELED, "canceled while paths were traced") : PM_OK;
+    return canceled ? pm__fail(error, PM_ECANCELED, "canceled while paths were traced") : PM_OK;
 }
 
 static void answer(const pm__run *run, const double *state, double radiance[3])

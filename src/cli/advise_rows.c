@@ -1,0 +1,223 @@
+#include "advise_rows.h"
+
+#include "wrap.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COMMAND = 1200 };
+
+/* The fields, in the order that scripts rely on; each with what fills it in. */
+#define FIELDS(X)                                                     \
+    X(case, text(from->subject))                                      \
+    X(error, number(from->task->config->error))                       \
+    X(method, text(from->method))                                     \
+    X(estimator, text(from->estimator))                               \
+    X(k, known ? pm__count_cell(row->k) : absent)                     \
+    X(radius, absent)                                                 \
+    X(photons, known ? pm__count_cell(row->photons) : absent)         \
+    X(passes, row->passes ? pm__count_cell(row->passes) : absent)     \
+    X(trials, known ? pm__count_cell(row->trials) : absent)           \
+    X(predicted_rel_bias, number(row->predicted_rel_bias))            \
+    X(predicted_rel_noise, number(row->predicted_rel_noise))          \
+    X(predicted_rel_rmse, number(row->predicted_rel_rmse))            \
+    X(predicted_seconds, number(row->predicted_seconds))              \
+    X(advised, pm__flag_cell(row->advised))                           \
+    X(command, known ? text(from->command) : absent)                  \
+    X(reached_rel_rmse, number(row->reached_rel_rmse))                \
+    X(reached_rel_rmse_ci95, pm__interval_cell(row->reached_rel_rmse_ci95.low, row->reached_rel_rmse_ci95.high)) \
+    X(reached_seconds, number(row->reached_seconds))                  \
+    X(ratio, number(row->ratio))                                      \
+    X(status, text(row->status))                                      \
+    X(detail, text(*row->detail ? row->detail : NULL))
+
+static const char *const fields[] = {
+#define X(name, value) #name,
+    FIELDS(X)
+#undef X
+};
+
+enum { FIELD_COUNT = sizeof fields / sizeof *fields };
+
+typedef struct source {
+    const pm__advise_task *task;
+    char subject[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], command[COMMAND];
+} source;
+
+static pm__cell text(const char *value)
+{
+    return pm__text_cell(value);
+}
+
+static pm__cell number(double value)
+{
+    return pm__number_cell(value);
+}
+
+static bool is_known(const pm__advice *row)
+{
+    return strcmp(row->status, "unsupported") != 0;
+}
+
+static void fill_row(void *context, size_t index, pm__cell *cells)
+{
+    source *const from = context;
+    const pm__advice *const row = &from->task->advice[index];
+    const pm__cell absent = {.type = PM__ABSENT};
+    const bool known = is_known(row);
+    pm__spec_format(from->task->config->subject, from->subject, sizeof from->subject);
+    pm__spec_format(&row->method, from->method, sizeof from->method);
+    pm__spec_format(&row->estimator, from->estimator, sizeof from->estimator);
+    pm__advise_command(from->task, row, from->command, sizeof from->command);
+    const pm__cell filled[FIELD_COUNT] = {
+#define X(name, value) value,
+        FIELDS(X)
+#undef X
+    };
+    memcpy(cells, filled, sizeof filled);
+}
+
+/* Everything that is needed to run the same again. */
+static json_t *options_of(const pm__advise_task *task)
+{
+    const pm__advise_config *const c = task->config;
+    json_t *const options = json_object();
+    (void)json_object_set_new(options, "case", pm__spec_names(c->subject, 1));
+    (void)json_object_set_new(options, "error", json_real(c->error));
+    (void)json_object_set_new(options, "verify", json_boolean(task->settings->advise.verify));
+    (void)json_object_set_new(options, "estimator", c->estimator_count
+                                                        ? pm__spec_names(c->estimators, c->estimator_count)
+                                                        : json_null());
+    (void)json_object_set_new(options, "method",
+                              c->method_count ? pm__spec_names(c->methods, c->method_count) : json_null());
+    (void)json_object_set_new(options, "probes", json_integer((json_int_t)c->probes));
+    (void)json_object_set_new(options, "photons", c->most_photons ? json_integer((json_int_t)c->most_photons)
+                                                                  : json_null());
+    (void)json_object_set_new(options, "seconds", json_real(c->seconds));
+    (void)json_object_set_new(options, "threads", json_integer((json_int_t)c->threads));
+    return options;
+}
+
+pm_status pm__advise_write(const pm__advise_task *task, pm__sinks *sinks, pm_error *error)
+{
+    source from = {.task = task};
+    json_t *const options = options_of(task);
+    const pm__results results = {.command = "advise",
+                                 .options = options,
+                                 .settings = task->settings,
+                                 .seeded = true,
+                                 .wall_s = task->wall_s,
+                                 .fields = fields,
+                                 .field_count = FIELD_COUNT,
+                                 .plain_count = FIELD_COUNT,
+                                 .row_count = task->count,
+                                 .row = fill_row,
+                                 .context = &from};
+    const pm_status status = pm__sinks_finish(sinks, &results, error);
+    json_decref(options);
+    return status;
+}
+
+/* ---- The command ------------------------------------------------------------------------------- */
+
+void pm__advise_command(const pm__advise_task *task, const pm__advice *a, char *out, size_t size)
+{
+    char subject[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], alpha[32];
+    const unsigned long long seed = task->config->seed;
+    pm__spec_format_short(task->config->subject, subject, sizeof subject);
+    pm__spec_format_short(&a->method, method, sizeof method);
+    pm__spec_format_short(&a->estimator, estimator, sizeof estimator);
+    pm__format_double(pm__advise_alpha, alpha);
+    if (!a->passes)
+        (void)snprintf(out, size,
+                       "photonbench accuracy --case %s --estimator %s --k %zu --photons %zu --trials %zu --probes %zu "
+                       "--seed %llu",
+                       subject, estimator, a->k, a->photons, a->trials, task->config->probes, seed);
+    else
+        (void)snprintf(out, size,
+                       "photonbench converge %s --method %s --estimator %s --alpha %s --k %zu --photons-per-pass %zu "
+                       "--passes %zu --size %zux%zu --trials %zu --seed %llu",
+                       subject + strlen("scene:"), method, estimator, alpha, a->k, a->photons, (size_t)a->passes,
+                       a->width, a->height, a->trials, seed);
+}
+
+/* ---- On the screen ----------------------------------------------------------------------------- */
+
+static void percent(double value, char out[16])
+{
+    if (isfinite(value))
+        (void)snprintf(out, 16, "%.3g", 100.0 * value);
+    else
+        (void)snprintf(out, 16, "-");
+}
+
+static void seconds(double value, char out[16])
+{
+    if (!isfinite(value))
+        (void)snprintf(out, 16, "-");
+    else
+        (void)snprintf(out, 16, value < 99.95 ? "%.3g" : "%.0f", value);
+}
+
+static void count(size_t value, char out[24])
+{
+    if (value)
+        (void)snprintf(out, 24, "%zu", value);
+    else
+        (void)snprintf(out, 24, "-");
+}
+
+static void print_row(FILE *file, const pm__advice *a)
+{
+    char method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], k[24], photons[24], passes[24];
+    char bias[16], noise[16], error[16], time[16];
+    const bool known = is_known(a);
+    pm__spec_format_short(&a->method, method, sizeof method);
+    pm__spec_format_short(&a->estimator, estimator, sizeof estimator);
+    count(known ? a->k : 0, k);
+    count(known ? a->photons : 0, photons);
+    count(known ? a->passes : 0, passes);
+    percent(a->predicted_rel_bias, bias);
+    percent(a->predicted_rel_noise, noise);
+    percent(a->predicted_rel_rmse, error);
+    seconds(a->predicted_seconds, time);
+    (void)fprintf(file, "%c %-10.10s %-24.24s %7s %10s %7s %6s %6s %6s %8s\n", a->advised ? '*' : ' ', method,
+                  estimator, k, photons, passes, bias, noise, error, time);
+    if (*a->detail) {
+        (void)fputs("      ", file);
+        pm__wrap(file, a->detail, 6, 6);
+    }
+}
+
+static void print_reached(FILE *file, const pm__advice *a)
+{
+    (void)fprintf(file, "\nreached %.3g %% [%.3g, %.3g], %.3f of what was asked for, in %.3g s: %s\n",
+                  100.0 * a->reached_rel_rmse, 100.0 * a->reached_rel_rmse_ci95.low,
+                  100.0 * a->reached_rel_rmse_ci95.high, a->ratio, a->reached_seconds,
+                  strcmp(a->status, "ok") ? "missed" : a->ratio < 0.75 ? "better" : "within 25 %");
+}
+
+void pm__advise_print(FILE *file, const pm__advise_task *task)
+{
+    char subject[PM__MAX_SPEC], command[COMMAND];
+    const pm__advice *const best = &task->advice[0];
+    const pm__advice *image = NULL;
+    pm__spec_format_short(task->config->subject, subject, sizeof subject);
+    (void)fprintf(file, "%.60s: error %.3g %%\n", subject, 100.0 * task->config->error);
+    (void)fprintf(file, "  %-10s %-24s %7s %10s %7s %6s %6s %6s %8s\n", "method", "estimator", "k", "photons", "passes",
+                  "bias", "noise", "error", "seconds");
+    for (size_t i = 0; i < task->count; i++) {
+        print_row(file, &task->advice[i]);
+        image = task->advice[i].passes ? &task->advice[i] : image;
+    }
+    (void)fprintf(file, "All predicted; in percent of the mean truth, seconds on one thread with %zu lookups a map.\n",
+                  task->config->probes);
+    if (image)
+        (void)fprintf(file, "Maps are judged over the case's region all, other methods in %zux%zu pixels of its "
+                            "image.\n", image->width, image->height);
+    pm__advise_command(task, best, command, sizeof command);
+    (void)fprintf(file, "%s:\n  ", best->advised ? "The least time, marked *, is that of" : "The nearest comes");
+    pm__wrap(file, command, 2, 6);
+    if (isfinite(best->ratio))
+        print_reached(file, best);
+}

@@ -1,0 +1,154 @@
+/* `photonbench advise` as a user runs it. Which row is cheapest depends on the clock; what a row says does not where
+ * there is one estimator and no bias: the smallest map is the cheapest then. */
+#include "../program.h"
+
+#define TINY "--estimator disc:last=none --method map --probes 200 --photons 8000 --seconds 1 "
+
+static json_t *row_of(json_t *root, size_t index)
+{
+    json_t *const row = json_array_get(json_object_get(root, "rows"), index);
+    ck_assert(json_is_object(row));
+    return row;
+}
+
+static double number(const json_t *row, const char *field)
+{
+    return json_number_value(json_object_get(row, field));
+}
+
+static const char *text(const json_t *row, const char *field)
+{
+    const char *const value = json_string_value(json_object_get(row, field));
+    return value ? value : "";
+}
+
+START_TEST(fields_are_the_contract)
+{
+    json_t *const root = pm__expect_json("advise gradient --error 10% " TINY "--json -");
+    json_t *const row = row_of(root, 0);
+    ck_assert_str_eq(text(root, "command"), "advise");
+    ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 1);
+    pm__check_keys(row, "case error method estimator k radius photons passes trials predicted_rel_bias "
+                        "predicted_rel_noise predicted_rel_rmse predicted_seconds advised command reached_rel_rmse "
+                        "reached_rel_rmse_ci95 reached_seconds ratio status detail");
+    ck_assert_str_eq(text(row, "method"), "map");
+    ck_assert_str_eq(text(row, "estimator"), "disc:last=none");
+    ck_assert_str_eq(text(row, "status"), "ok");
+    ck_assert(json_is_true(json_object_get(row, "advised")));
+    ck_assert(json_is_null(json_object_get(row, "passes")));
+    ck_assert(json_is_null(json_object_get(row, "reached_rel_rmse")));
+    PM_CHECK_NEAR(number(row, "error"), 0.1, 1e-15);
+    PM_CHECK_NEAR(number(row, "predicted_rel_rmse"), 0.1, 1e-3);
+    /* noise 1 / (k - 2), share 1 / 16, and a mean square of the light on the slope of 1 + 1 / 12 at most */
+    ck_assert_double_ge(number(row, "k"), 95.0);
+    ck_assert_double_le(number(row, "k"), 115.0);
+    PM_CHECK_NEAR(number(row, "photons"), 16.0 * number(row, "k"), 1.0);
+    json_decref(root);
+}
+END_TEST
+
+/* 2 % and 0.02 are the same; a scene is one with or without its prefix; threads change nothing. */
+START_TEST(ways_to_say_the_same)
+{
+    static const char *const ways[] = {"advise furnace --error 12% " TINY "--json - --threads 1",
+                                       "advise scene:furnace --error 0.12 " TINY "--json - --threads 2"};
+    json_t *const first = pm__expect_json(ways[0]), *const second = pm__expect_json(ways[1]);
+    static const char *const fields[] = {"case", "error", "estimator", "trials"};
+    for (size_t f = 0; f < 4; f++)
+        ck_assert_msg(json_equal(json_object_get(row_of(first, 0), fields[f]),
+                                 json_object_get(row_of(second, 0), fields[f])),
+                      "%s", fields[f]);
+    ck_assert_str_eq(text(row_of(first, 0), "case"), "scene:furnace:albedo=0.5");
+    json_decref(first);
+    json_decref(second);
+}
+END_TEST
+
+/* What --verify reached is what the printed command measures, to the last bit. */
+START_TEST(the_command_does_what_verify_did)
+{
+    char command[1200];
+    json_t *const root = pm__expect_json("advise gradient --error 10% --verify --seed 7 " TINY "--json -");
+    json_t *const row = row_of(root, 0);
+    ck_assert_str_eq(text(row, "status"), "ok");
+    PM_CHECK_NEAR(number(row, "ratio"), number(row, "reached_rel_rmse") / 0.1, 1e-12);
+    ck_assert_int_eq(strncmp(text(row, "command"), "photonbench accuracy ", 21), 0);
+    (void)snprintf(command, sizeof command, "%s --json -", text(row, "command") + strlen("photonbench "));
+    json_t *const again = pm__expect_json(command);
+    json_t *const measured = row_of(again, 0);
+    ck_assert_str_eq(text(measured, "region"), "all");
+    ck_assert_double_eq(number(measured, "rel_rmse"), number(row, "reached_rel_rmse"));
+    ck_assert(json_equal(json_object_get(measured, "rel_rmse_ci95"), json_object_get(row, "reached_rel_rmse_ci95")));
+    json_decref(again);
+    json_decref(root);
+}
+END_TEST
+
+START_TEST(the_command_of_passes_does_so_too)
+{
+    char command[1200];
+    json_t *const root = pm__expect_json(
+        "advise furnace --error 30% --verify --method ppm --photons 60000 --seconds 1 --json -");
+    json_t *const row = row_of(root, 0);
+    ck_assert(json_is_integer(json_object_get(row, "passes")));
+    ck_assert_int_eq(strncmp(text(row, "command"), "photonbench converge ", 21), 0);
+    (void)snprintf(command, sizeof command, "%s --json -", text(row, "command") + strlen("photonbench "));
+    json_t *const again = pm__expect_json(command);
+    json_t *const rows = json_object_get(again, "rows"), *const last = json_array_get(rows, json_array_size(rows) - 1);
+    ck_assert_double_eq(number(last, "rel_rmse"), number(row, "reached_rel_rmse"));
+    json_decref(again);
+    json_decref(root);
+}
+END_TEST
+
+START_TEST(out_of_reach_says_what_is_not)
+{
+    const pm__run *const run =
+        pm__expect("advise square --error 1% " TINY "--photons 2000 --json - --threads 2", 1, "out of reach");
+    json_error_t error;
+    json_t *const root = json_loads(run->out, 0, &error);
+    ck_assert_ptr_nonnull(root);
+    ck_assert_str_eq(text(row_of(root, 0), "status"), "unreachable");
+    ck_assert(json_is_false(json_object_get(row_of(root, 0), "advised")));
+    ck_assert_double_gt(number(row_of(root, 0), "predicted_rel_rmse"), 0.01);
+    ck_assert_uint_eq((size_t)number(row_of(root, 0), "photons"), 2000);
+    json_decref(root);
+}
+END_TEST
+
+START_TEST(screen_is_100_columns)
+{
+    const pm__run *const run = pm__expect("advise gradient --error 10% --verify " TINY "--quiet", 0, NULL);
+    static const char *const parts[] = {"error 10 %", "\n* map ", "photonbench accuracy --case gradient",
+                                        "within 25 %"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        ck_assert_msg(strstr(run->out, parts[i]) != NULL, "no '%s' in %s", parts[i], run->out);
+    for (const char *line = run->out; *line; line += strcspn(line, "\n") + 1)
+        ck_assert_msg(strcspn(line, "\n") <= 100, "%s", run->out);
+}
+END_TEST
+
+START_TEST(refusals)
+{
+    (void)pm__expect("advise", 2, "--error is needed");
+    (void)pm__expect("advise square", 2, "--error is needed");
+    (void)pm__expect("advise --error 2%", 2, "a case or a scene is needed");
+    (void)pm__expect("advise square --error 0", 2, "no error above 0");
+    (void)pm__expect("advise square --error -2%", 2, "no error above 0");
+    (void)pm__expect("advise square --error 100%", 2, "below 1");
+    (void)pm__expect("advise square --error 2", 2, "such as 2% or 0.02");
+    (void)pm__expect("advise square --error nan", 2, "no error above 0");
+    (void)pm__expect("advise square --error %", 2, "no error above 0");
+    (void)pm__expect("advise squar --error 2%", 2, "did you mean 'square'");
+    (void)pm__expect("advise square,edge --error 2%", 2, "one case or scene at a time");
+    (void)pm__expect("advise square --error 2% --method mapp", 2, "did you mean 'map'");
+    (void)pm__expect("advise square --error 2% --method pppm", 2, "takes a scene");
+    (void)pm__expect("advise square --error 2% --estimator disk", 2, "did you mean 'disc'");
+    (void)pm__expect("advise square --error 2% --photons 50", 2, "too few to learn from");
+    (void)pm__expect("advise cornell --error 2% --method map", 2, "no exact answer");
+    (void)pm__expect("advise gradient --error 20% " TINY "--quiet --json /dev/full -o /dev/null", 4, "full");
+}
+END_TEST
+
+PM_TEST_MAIN("cli advise", fields_are_the_contract, ways_to_say_the_same, the_command_does_what_verify_did,
+             the_command_of_passes_does_so_too, out_of_reach_says_what_is_not, screen_is_100_columns, refusals)
