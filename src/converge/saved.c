@@ -78,8 +78,9 @@ static bool pass_counts(tape *t, pm__measuring *m, double *gone, unsigned char *
     pass_bytes(t, &reached, sizeof reached);
     m->series->reached = reached == 1;
     return !t->short_of && reached <= 1 && m->records >= 1 && m->records <= m->room &&
-           m->series->trials <= m->config->trials && m->record <= m->records && *running <= 1 && (!*running || m->series->trials < m->config->trials) &&
-           (*running || m->record == 0) && isfinite(*gone) && *gone >= 0.0;
+           m->series->trials <= m->config->trials && m->record <= m->records && *running <= 1 &&
+           (!*running || m->series->trials < m->config->trials) && (*running || m->record == 0) && isfinite(*gone) &&
+           *gone >= 0.0;
 }
 
 /* Passes that are read after, as set_records makes them: ascending, and none beyond what was planned. */
