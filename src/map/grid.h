@@ -33,12 +33,11 @@ static inline double pm__grid_coordinate(const pm__grid *grid, unsigned o, doubl
     return (x - grid->low[o]) * grid->inverse_edge;
 }
 
-/* The cell at that coordinate. */
+/* The cell at that coordinate. Without branches: which cell comes next is random. */
 static inline size_t pm__grid_clamp(const pm__grid *grid, unsigned o, double t)
 {
-    if (!(t > 0.0))
-        return 0;
-    return t < (double)grid->cells[o] ? (size_t)t : grid->cells[o] - 1;
+    const double last = (double)grid->cells[o] - 1.0, above = t > 0.0 ? t : 0.0;
+    return (size_t)(int64_t)(above < last ? above : last);
 }
 
 static inline size_t pm__grid_cell(const pm__grid *grid, unsigned o, double x)
