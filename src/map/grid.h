@@ -15,6 +15,7 @@ typedef struct pm__grid {
     unsigned axis[3];
     size_t cells[3];
     double low[3];       /* of the grid, by o; map units */
+    double last[3];      /* cells[o] - 1 */
     double inverse_edge; /* of a cell; 0 where all photons are in one point */
     uint32_t *starts;
     const pm__block *blocks; /* positions by place: the map's where the grid gave it its order */
@@ -36,7 +37,7 @@ static inline double pm__grid_coordinate(const pm__grid *grid, unsigned o, doubl
 /* The cell at that coordinate. Without branches: which cell comes next is random. */
 static inline size_t pm__grid_clamp(const pm__grid *grid, unsigned o, double t)
 {
-    const double last = (double)grid->cells[o] - 1.0, above = t > 0.0 ? t : 0.0;
+    const double last = grid->last[o], above = t > 0.0 ? t : 0.0;
     return (size_t)(int64_t)(above < last ? above : last);
 }
 
