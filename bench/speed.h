@@ -38,6 +38,7 @@ typedef struct pm__speed_config {
     size_t scene_count;     /* 0: each quantity has its own */
     unsigned quantities;    /* bit q: is asked for; 0: all */
     size_t photons, k, width, height;
+    size_t pass_photons;    /* emitted in a pass */
     size_t threads;         /* of `parallel` */
     double seconds;         /* for all, more or less: the fewest rounds are done all the same */
     uint64_t seed;
@@ -50,7 +51,7 @@ typedef struct pm__speed_config {
 typedef struct pm__speed_row {
     pm__spec scene;
     pm__quantity quantity;
-    const char *method;      /* NULL: none renders */
+    const char *method;      /* NULL: there is none */
     size_t photons, threads;
     double seconds;          /* median; NAN where there is none */
     const char *baseline;

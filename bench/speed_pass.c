@@ -241,7 +241,7 @@ static pm_status list_queries(parts *p, pm_error *error)
 typedef struct random_rays {
     pm__plain_scene plain;
     float (*rays)[6]; /* origin, direction */
-    double sink;
+    double sink, *paused;
 } random_rays;
 
 /* Uniform in the scene's box, uniform in direction. */
@@ -267,9 +267,11 @@ static pm_status draw_rays(const pm__scene *scene, uint64_t seed, random_rays *r
     return status;
 }
 
+/* Threads that wait for work meanwhile, as those of a pass before, are not counted. */
 static void ask_rays(void *context, size_t first, size_t repetitions)
 {
     random_rays *const r = context;
+    const double others = now(CLOCK_PROCESS_CPUTIME_ID) - now(CLOCK_THREAD_CPUTIME_ID);
     (void)first;
     for (size_t i = 0; i < repetitions * RAYS; i++) {
         const float *const ray = r->rays[i % RAYS];
@@ -281,6 +283,7 @@ static void ask_rays(void *context, size_t first, size_t repetitions)
         rtcIntersect1(r->plain.scene, &asked, &answer);
         r->sink += answer.hit.geomID != RTC_INVALID_GEOMETRY_ID ? (double)answer.ray.tfar : 0.0;
     }
+    *r->paused += now(CLOCK_PROCESS_CPUTIME_ID) - now(CLOCK_THREAD_CPUTIME_ID) - others;
 }
 
 static bool count_photon(void *context, uint64_t number, const pm__stored *photon)
@@ -332,7 +335,7 @@ static pm_status compare(const pm__speed_config *config, const pm__bench_variant
 
 static void begin_row(const pm__speed_config *config, const char *baseline, double promise, pm__speed_row *row)
 {
-    row->photons = config->photons;
+    row->photons = config->pass_photons;
     row->threads = config->threads;
     row->baseline = baseline;
     row->promise = promise;
@@ -431,7 +434,7 @@ static pm_status compare_rays(const pm__speed_config *config, passing *pass, dou
                               pm__speed_row *row, pm_error *error)
 {
     parts p = {.of = pass, .most = 1};
-    random_rays rays = {.sink = 0.0};
+    random_rays rays = {.paused = paused};
     pm_status status = draw_rays(pass->progression.stage.scene, config->seed, &rays, error);
     if (status == PM_OK)
         status = list_queries(&p, error);

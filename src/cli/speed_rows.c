@@ -88,6 +88,7 @@ static json_t *options_of(const pm__speed_config *config)
                                                     : json_null());
     (void)json_object_set_new(options, "quantity", names_of_quantities(config));
     (void)json_object_set_new(options, "photons", json_integer((json_int_t)config->photons));
+    (void)json_object_set_new(options, "pass_photons", json_integer((json_int_t)config->pass_photons));
     (void)json_object_set_new(options, "k", json_integer((json_int_t)config->k));
     (void)json_object_set_new(options, "size", json_string(size));
     (void)json_object_set_new(options, "seconds", json_real(config->seconds));

@@ -25,10 +25,10 @@ const pm_search *pm__search_of(const pm_map *map, const pm_query *query);
 size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__query *query, pm_neighbor *neighbors,
                       size_t capacity);
 
-/* All photons within the radius of each of up to PM__AT_ONCE queries, [i * stride] on those of query i, unsorted, by the
- * map's own search: for many queries whose points are finite and whose normals are unit, neither of which is looked at
- * again. Spheres; k and search are not looked at. counts[i] above stride: there are so many, and those of query i are
- * undefined. EINVAL: no radius, a side where no directions are kept. */
+/* All photons within the radius of each of up to PM__AT_ONCE queries, [i * stride] on those of query i, unsorted, by
+ * the map's own search: for many queries whose points are finite and whose normals are unit, neither of which is looked
+ * at again. Spheres; k and search are not looked at. counts[i] above stride: there are so many, and what is in query
+ * i's room is undefined. EINVAL: no radius, a side where no directions are kept. */
 enum { PM__AT_ONCE = 16 };
 pm_status pm__search_within(const pm_map *map, const pm_query *queries, size_t count, pm_neighbor *neighbors,
                             size_t stride, size_t *counts);

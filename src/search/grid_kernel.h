@@ -214,16 +214,20 @@ static inline void find_places(const pm__grid *grid, runs *list)
     }
 }
 
-/* Sides are left to the next step. */
-static inline void scan_places(walk *w, const runs *list)
+/* What scanning asks of a search that has been aimed before. Sides are left to the next step. */
+static inline void scan_places(walk *w, const pm__query *query, pm__result *result, const runs *list)
 {
+    w->query = query;
+    w->result = result;
+    w->count = 0;
+    w->limit = result->bound;
+    w->plain = true;
+    w->sided = false;
     for (size_t i = 0; i < list->count; i++)
         scan(w, list->from[i], list->to[i]);
-    const size_t before = w->result->count;
-    w->sided = false;
     hand_over(w);
-    for (size_t i = before; i < w->result->count && i < w->result->capacity; i++)
-        __builtin_prefetch(pm__power(w->map, w->result->list[i].number));
+    for (size_t i = 0; i < result->count && i < result->capacity; i++)
+        __builtin_prefetch(pm__power(w->map, result->list[i].number));
 }
 
 static inline void drop_behind(const pm_map *map, const pm__query *query, pm__result *result)
@@ -253,11 +257,9 @@ static void find_all_in_grid(const pm_map *map, const pm__query *queries, pm__re
     for (size_t i = 0; i < count; i++)
         if (lists[i].count <= RUNS)
             find_places(w.grid, &lists[i]);
-    for (size_t i = 0; i < count; i++) {
-        aim(&w, &queries[i], &results[i]);
+    for (size_t i = 0; i < count; i++)
         if (lists[i].count <= RUNS)
-            scan_places(&w, &lists[i]);
-    }
+            scan_places(&w, &queries[i], &results[i], &lists[i]);
     for (size_t i = 0; i < count; i++)
         if (lists[i].count > RUNS || (queries[i].front_only && results[i].count > results[i].capacity)) {
             results[i].count = 0;

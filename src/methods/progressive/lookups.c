@@ -176,11 +176,25 @@ static pm_status take(const looking *work, size_t i, group *g, const asking *fro
     return status;
 }
 
+/* What the next group reads comes from far off: points and states are many times what caches hold. */
+static void fetch(const pm__run *run, size_t i)
+{
+    const size_t fields = pm__progressive_of(run)->fields;
+    if (i >= run->of->points)
+        return;
+    for (size_t at = 0; at < sizeof *run->of->fixed; at += 64)
+        __builtin_prefetch((const char *)&run->of->fixed[i] + at);
+    for (size_t f = 0; f < fields; f += 8)
+        __builtin_prefetch(&run->state[i * fields + f], 1);
+}
+
 static pm_status look_at_group(const looking *work, size_t first, size_t count, group *g, pm_workspace *workspace)
 {
     g->query_count = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
+        fetch(work->run, first + i + PM__AT_ONCE);
         ask(work, first + i, g, &g->points[i]);
+    }
     pm_status status = pm__search_within(work->map, g->queries, g->query_count, g->neighbors, STRIDE, g->counts);
     for (size_t i = 0; i < count && status == PM_OK; i++)
         status = take(work, first + i, g, &g->points[i], workspace);
