@@ -11,10 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const pm__quantity_names[PM__QUANTITIES] = {"trace", "trace-threads", "visualize", "skip"};
+const char *const pm__quantity_names[PM__QUANTITIES] = {"trace", "trace-threads", "visualize", "skip",
+                                                        "pass", "pass-threads", "pass-rays"};
 
 /* What a row of the quantity takes of the time, beside others. */
-static const double weights[PM__QUANTITIES] = {3.0, 2.0, 10.0, 1.0};
+static const double weights[PM__QUANTITIES] = {3.0, 2.0, 10.0, 1.0, 10.0, 10.0, 10.0};
 
 static const char *const traced_scenes[] = {"scene:cornell", "scene:glass-sphere", "scene:integrating-sphere",
                                             "scene:fractal-cornell"};
@@ -71,11 +72,23 @@ static pm_status add_row(list *l, const pm__spec *scene, pm__quantity quantity, 
     return PM_OK;
 }
 
+static bool is_pass(pm__quantity quantity)
+{
+    return quantity == PM__PASS_SPEED || quantity == PM__PASS_THREADS_SPEED || quantity == PM__PASS_RAYS_SPEED;
+}
+
+static bool needs_threads(pm__quantity quantity)
+{
+    return quantity == PM__THREADS_SPEED || quantity == PM__PASS_THREADS_SPEED;
+}
+
 static pm_status add_rows(list *l, const pm__spec *scene, pm__quantity quantity)
 {
     pm_status status = PM_OK;
     if (quantity != PM__SKIP_SPEED)
-        return add_row(l, scene, quantity, quantity == PM__VISUALIZE_SPEED ? "visualize" : NULL);
+        return add_row(l, scene, quantity, is_pass(quantity)                  ? "ppm"
+                                           : quantity == PM__VISUALIZE_SPEED ? "visualize"
+                                                                              : NULL);
     for (int m = 0; m < SKIP_METHODS && status == PM_OK; m++)
         status = add_row(l, scene, quantity, skip_methods[m]);
     return status;
@@ -83,7 +96,7 @@ static pm_status add_rows(list *l, const pm__spec *scene, pm__quantity quantity)
 
 static pm_status add_own_scenes(list *l, pm__quantity quantity)
 {
-    const bool all = quantity == PM__SKIP_SPEED, seen = quantity == PM__VISUALIZE_SPEED;
+    const bool all = quantity == PM__SKIP_SPEED, seen = quantity == PM__VISUALIZE_SPEED || is_pass(quantity);
     const char *const *const names = seen ? seen_scenes : traced_scenes;
     const size_t count = all ? pm__scene_cases.count : seen ? 1 : TRACED_SCENES;
     pm_status status = PM_OK;
@@ -100,7 +113,7 @@ static pm_status make_list(const pm__speed_config *config, list *l)
     const unsigned asked = config->quantities ? config->quantities : (1U << PM__QUANTITIES) - 1;
     pm_status status = PM_OK;
     for (int q = 0; q < PM__QUANTITIES && status == PM_OK; q++) {
-        if (!(asked & 1U << q) || (q == PM__THREADS_SPEED && config->threads < 2))
+        if (!(asked & 1U << q) || (needs_threads((pm__quantity)q) && config->threads < 2))
             continue;
         if (!config->scene_count)
             status = add_own_scenes(l, (pm__quantity)q);
@@ -115,7 +128,8 @@ static pm_status make_list(const pm__speed_config *config, list *l)
 static pm_status measure(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error)
 {
     static pm_status (*const how[PM__QUANTITIES])(const pm__speed_config *, double, pm__speed_row *, pm_error *) = {
-        pm__speed_trace, pm__speed_threads, pm__speed_visualize, pm__speed_skip};
+        pm__speed_trace, pm__speed_threads,      pm__speed_visualize, pm__speed_skip,
+        pm__speed_pass,  pm__speed_pass_threads, pm__speed_pass_rays};
     pm_error why = {""};
     const pm_status status = how[row->quantity](config, seconds, row, &why);
     if (status == PM_OK) {

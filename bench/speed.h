@@ -6,7 +6,12 @@
  * visualize      the image of a photon map, the map being there; baseline: the same image without estimates, then the
  *                bare search for the same queries
  * skip           a render of little work, maps included; baseline: with all that its plan skips (no_skip). Are the
- *                images the same? */
+ *                images the same?
+ * pass           the first pass of progressive photon mapping (ppm): its photons, their map, lookups, what points take
+ *                from them; baseline: its photons, their map, then the bare search for the same radii
+ * pass-threads   the same pass on all threads; baseline: on one
+ * pass-rays      the same pass, time of all processors; baseline: as many random rays in the scene's box as it may take
+ *                the time of, two million, of which Embree alone answers each */
 #ifndef PM_BENCH_SPEED_H
 #define PM_BENCH_SPEED_H
 
@@ -20,6 +25,9 @@ typedef enum pm__quantity {
     PM__THREADS_SPEED,
     PM__VISUALIZE_SPEED,
     PM__SKIP_SPEED,
+    PM__PASS_SPEED,
+    PM__PASS_THREADS_SPEED,
+    PM__PASS_RAYS_SPEED,
     PM__QUANTITIES
 } pm__quantity;
 
@@ -30,6 +38,7 @@ typedef struct pm__speed_config {
     size_t scene_count;     /* 0: each quantity has its own */
     unsigned quantities;    /* bit q: is asked for; 0: all */
     size_t photons, k, width, height;
+    size_t pass_photons;    /* emitted in a pass */
     size_t threads;         /* of `parallel` */
     double seconds;         /* for all, more or less: the fewest rounds are done all the same */
     uint64_t seed;
@@ -42,7 +51,7 @@ typedef struct pm__speed_config {
 typedef struct pm__speed_row {
     pm__spec scene;
     pm__quantity quantity;
-    const char *method;      /* NULL: none renders */
+    const char *method;      /* NULL: there is none */
     size_t photons, threads;
     double seconds;          /* median; NAN where there is none */
     const char *baseline;
@@ -60,7 +69,8 @@ typedef struct pm__speed_row {
     char detail[200];
 } pm__speed_row;
 
-/* Rows in the order of quantities, then scenes; free by free(). Where there is one thread there is no trace-threads.
+/* Rows in the order of quantities, then scenes; free by free(). Where there is one thread there is no trace-threads
+ * and no pass-threads.
  * ECANCELED: the rows that were complete. ENOMEM. */
 pm_status pm__speed_run(const pm__speed_config *config, pm__speed_row **rows, size_t *count, pm_error *error);
 
@@ -70,6 +80,9 @@ pm_status pm__speed_trace(const pm__speed_config *config, double seconds, pm__sp
 pm_status pm__speed_threads(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error);
 pm_status pm__speed_visualize(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error);
 pm_status pm__speed_skip(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error);
+pm_status pm__speed_pass(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error);
+pm_status pm__speed_pass_threads(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error);
+pm_status pm__speed_pass_rays(const pm__speed_config *config, double seconds, pm__speed_row *row, pm_error *error);
 
 /* Takes over what the harness found: of `result`, whose units take `scale` seconds for each of its nanoseconds, against
  * `baseline`. */

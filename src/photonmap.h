@@ -218,7 +218,7 @@ PM_API pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neig
                                size_t capacity, size_t *count);
 
 /* Many queries at once, [i * stride] on neighbours of query i: faster than one by one where the search has a form for
- * it (wide: sixteen at a time). As pm_map_search otherwise; with k = 0 a query that finds more than stride is
+ * it (wide, grid: sixteen at a time). As pm_map_search otherwise; with k = 0 a query that finds more than stride is
  * ETRUNCATED, counts[] says how many. The first status that is not OK is returned; counts of queries from it on are
  * 0. */
 PM_API pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries, size_t query_count,

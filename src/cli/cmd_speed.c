@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PHOTONS = 200000, K = 100, SIDE = 512, NAME = 32 };
+enum { PHOTONS = 200000, PASS_PHOTONS = 1 << 18, K = 100, SIDE = 512, NAME = 32 };
 static const double default_seconds = 60.0;
 
 /* ---- Options ----------------------------------------------------------------------------------- */
@@ -22,7 +22,8 @@ static pm_status refuse_quantity(const char *name, pm_error *error)
     const char *const nearest = pm__nearest_name(name, pm__quantity_names, PM__QUANTITIES);
     if (nearest)
         return pm__fail(error, PM_ENAME, "no quantity '%s'; did you mean '%s'?", name, nearest);
-    return pm__fail(error, PM_ENAME, "no quantity '%s'; there are: trace, trace-threads, visualize, skip, all", name);
+    return pm__fail(error, PM_ENAME, "no quantity '%s'; there are: trace, trace-threads, visualize, skip, pass, "
+                                     "pass-threads, pass-rays, all", name);
 }
 
 static pm_status take_quantity(pm__settings *s, const char *name, pm_error *error)
@@ -73,9 +74,10 @@ static pm_status set_seconds(pm__settings *s, const char *text, pm_error *error)
 }
 
 static const pm__option option_quantity = {
-    "quantity", 0, "Q,...", "trace, trace-threads, visualize, skip, or all (all)", set_quantity};
+    "quantity", 0, "Q,...", "trace, trace-threads, visualize, skip, pass, pass-threads, pass-rays, or all (all)",
+    set_quantity};
 static const pm__option option_photons = {
-    "photons", 0, "N", "photons; of trace at most 20000, of skip 4000 (200000)", set_photons};
+    "photons", 0, "N", "photons; of trace at most 20000, of skip 4000 (200000, of a pass 262144)", set_photons};
 static const pm__option option_k = {"k", 0, "K", "photons in an estimate (100)", set_k};
 static const pm__option option_size = {
     "size", 0, "WxH", "pixels; of skip at most 48 a side (512x512)", set_size};
@@ -100,6 +102,7 @@ static pm__speed_config config_of(const pm__settings *s, const pm_parallel *para
                               .scene_count = s->cases.count,
                               .quantities = s->quantities,
                               .photons = s->photons.count ? s->photons.items[0] : PHOTONS,
+                              .pass_photons = s->photons.count ? s->photons.items[0] : PASS_PHOTONS,
                               .k = s->ks.count ? s->ks.items[0] : K,
                               .width = s->render.width ? s->render.width : SIDE,
                               .height = s->render.height ? s->render.height : SIDE,
@@ -124,7 +127,7 @@ static bool all_held(const pm__speed_row *rows, size_t count)
 static void say_why_empty(const pm__settings *s, size_t count)
 {
     if (!count && !s->quiet)
-        pm__complain("speed", "no rows: trace-threads needs --threads 2 or more");
+        pm__complain("speed", "no rows: trace-threads and pass-threads need --threads 2 or more");
 }
 
 static pm_status measure(const pm__settings *s, const pm__speed_config *config, pm__progress *progress,
@@ -197,9 +200,12 @@ const pm__command pm__command_speed = {
             "  trace-threads  photons shot on all threads, to one                   at least 1.8 times its rate\n"
             "  visualize      a photon map's image, to its rays and bare search     at most 1.5 times their time\n"
             "  skip           a render of what is needed, to one of everything      the same image\n"
+            "  pass           a pass of ppm, to its tracing, map and bare search    at most 1.3 times their time\n"
+            "  pass-threads   such a pass on all threads, to one                    at least 1.8 times its rate\n"
+            "  pass-rays      processors' time of such a pass, to Embree's random rays    at most 2 million\n"
             "Without a SCENE: trace and trace-threads of cornell, glass-sphere, integrating-sphere and\n"
-            "fractal-cornell, visualize of cornell, skip of every scene. A promise that is missed is shown and\n"
-            "is no error. Exit status 1: images of skip differ, or a row could not be measured.\n\n"
+            "fractal-cornell, visualize and passes of cornell, skip of every scene. A promise that is missed\n"
+            "is shown and is no error. Exit status 1: images of skip differ, or a row could not be measured.\n\n"
             "Examples:\n"
             "  photonbench speed\n"
             "  photonbench speed --quantity trace,trace-threads --threads 2 --json speed.json\n"

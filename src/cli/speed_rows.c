@@ -88,6 +88,7 @@ static json_t *options_of(const pm__speed_config *config)
                                                     : json_null());
     (void)json_object_set_new(options, "quantity", names_of_quantities(config));
     (void)json_object_set_new(options, "photons", json_integer((json_int_t)config->photons));
+    (void)json_object_set_new(options, "pass_photons", json_integer((json_int_t)config->pass_photons));
     (void)json_object_set_new(options, "k", json_integer((json_int_t)config->k));
     (void)json_object_set_new(options, "size", json_string(size));
     (void)json_object_set_new(options, "seconds", json_real(config->seconds));
@@ -125,7 +126,10 @@ static void print_head(FILE *file, const pm__speed_row *row)
         "photons traced on one thread; times the rate of Embree alone on the same rays",
         "photons shot on all threads; times the rate of one",
         "the image of a photon map; times the rate of its rays and its bare search",
-        "a render of what the scene needs; times the rate with all that is skipped (--no-skip)"};
+        "a render of what the scene needs; times the rate with all that is skipped (--no-skip)",
+        "a pass of progressive photon mapping; times the rate of its tracing, map and bare search",
+        "such a pass on all threads; times the rate of one",
+        "such a pass, processors' time; times the rate of two million random rays by Embree alone"};
     (void)fprintf(file, "%s: %s\n", pm__quantity_names[row->quantity], what[row->quantity]);
     (void)fprintf(file, "  %-24s %-9s %9s %9s %7s  %-16s %7s\n", "", "", "ms", "baseline", "ratio",
                   "95 % interval", "promise");

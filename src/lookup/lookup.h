@@ -9,6 +9,14 @@
  * a zero normal where one is needed, a side asked of a map without directions. */
 pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error);
 
+/* A coordinate, m, in the map's frame: a float that no sum of three squares overflows. */
+static inline float pm__in_frame(const pm_map *map, int axis, float x)
+{
+    const double limit = 1e18, framed = ((double)x - map->centre[axis]) * map->inverse_unit;
+    const double above = framed > -limit ? framed : -limit;
+    return (float)(above < limit ? above : limit);
+}
+
 /* The search that a query is for: NULL where the map has no structure for it, or it cannot do what is asked. */
 const pm_search *pm__search_of(const pm_map *map, const pm_query *query);
 
@@ -16,6 +24,14 @@ const pm_search *pm__search_of(const pm_map *map, const pm_query *query);
  * k = 0; then the buffer is of no use). */
 size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__query *query, pm_neighbor *neighbors,
                       size_t capacity);
+
+/* All photons within the radius of each of up to PM__AT_ONCE queries, [i * stride] on those of query i, unsorted, by
+ * the map's own search: for many queries whose points are finite and whose normals are unit, neither of which is looked
+ * at again. Spheres; k and search are not looked at. counts[i] above stride: there are so many, and what is in query
+ * i's room is undefined. EINVAL: no radius, a side where no directions are kept. */
+enum { PM__AT_ONCE = 16 };
+pm_status pm__search_within(const pm_map *map, const pm_query *queries, size_t count, pm_neighbor *neighbors,
+                            size_t stride, size_t *counts);
 
 /* Sorts by (distance2, caller's index). O(n log n) for any input. */
 void pm__sort_neighbors(const pm_map *map, pm_neighbor *neighbors, size_t count);

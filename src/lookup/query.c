@@ -16,13 +16,6 @@ void pm_query_init(pm_query *query)
                         .sorted = true};
 }
 
-/* A float that no sum of three squares overflows. */
-static float in_frame(double x)
-{
-    const double limit = 1e18, above = x > -limit ? x : -limit;
-    return (float)(above < limit ? above : limit);
-}
-
 static float squared(double x)
 {
     const double square = x * x;
@@ -75,7 +68,7 @@ pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query 
     if (query->k && !prepared->k)
         prepared->k = 1; /* an empty map: any k will do, 0 would mean a fixed radius */
     for (int a = 0; a < 3; a++)
-        prepared->position[a] = in_frame(((double)query->position[a] - map->centre[a]) * map->inverse_unit);
+        prepared->position[a] = pm__in_frame(map, a, query->position[a]);
     prepared->max_distance2 = squared(radius * map->inverse_unit);
     if (query->front_only || query->shape != PM_LOOKUP_SPHERE) {
         double n[3] = {(double)query->normal[0], (double)query->normal[1], (double)query->normal[2]};
@@ -174,6 +167,35 @@ pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries, size_t
         done += search_some(map, queries + done, query_count - done, neighbors + done * stride, stride, counts + done,
                             &status);
     return status;
+}
+
+pm_status pm__search_within(const pm_map *map, const pm_query *queries, size_t count, pm_neighbor *neighbors,
+                            size_t stride, size_t *counts)
+{
+    pm__query prepared[PM__AT_ONCE];
+    pm__result results[PM__AT_ONCE];
+    const pm_search *const search = map->search;
+    for (size_t i = 0; i < count; i++) {
+        const pm_query *const query = &queries[i];
+        if (!(query->max_radius >= 0.0f) || (query->front_only && !pm__has_directions(map)))
+            return PM_EINVAL;
+        prepared[i] = (pm__query){.prune_scale = 1.0f, .front_only = query->front_only,
+                                  .max_distance2 = squared((double)query->max_radius * map->inverse_unit)};
+        for (int a = 0; a < 3; a++) {
+            prepared[i].position[a] = pm__in_frame(map, a, query->position[a]);
+            prepared[i].normal[a] = query->normal[a];
+        }
+        results[i] = (pm__result){.list = neighbors + i * stride, .capacity = stride,
+                                  .bound = prepared[i].max_distance2, .ids = map->ids};
+    }
+    if (search->find_batch && search->batch >= count)
+        search->find_batch(map, prepared, results, count);
+    else
+        for (size_t i = 0; i < count; i++)
+            search->find(map, &prepared[i], &results[i]);
+    for (size_t i = 0; i < count; i++)
+        counts[i] = results[i].count;
+    return PM_OK;
 }
 
 pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm_deliver deliver, void *context)

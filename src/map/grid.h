@@ -8,6 +8,10 @@
 
 #include "map.h"
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 /* Places 0..count-1 are ordered by cell; place p is lane p % 16 of block p / 16. Axis o = 0 is the longest: along it
  * the cells of a row follow each other. Invariant: the photons of cell c are those of places starts[c] .. starts[c + 1]
  * - 1, and c = (c2 * cells[1] + c1) * cells[0] + c0 with co = pm__grid_cell(grid, o, position[axis[o]]). */
@@ -15,6 +19,7 @@ typedef struct pm__grid {
     unsigned axis[3];
     size_t cells[3];
     double low[3];       /* of the grid, by o; map units */
+    double last[3];      /* cells[o] - 1 */
     double inverse_edge; /* of a cell; 0 where all photons are in one point */
     uint32_t *starts;
     const pm__block *blocks; /* positions by place: the map's where the grid gave it its order */
@@ -33,12 +38,16 @@ static inline double pm__grid_coordinate(const pm__grid *grid, unsigned o, doubl
     return (x - grid->low[o]) * grid->inverse_edge;
 }
 
-/* The cell at that coordinate. */
+/* The cell at that coordinate. Without branches, which compilers like to make of it: what comes next is random. */
 static inline size_t pm__grid_clamp(const pm__grid *grid, unsigned o, double t)
 {
-    if (!(t > 0.0))
-        return 0;
-    return t < (double)grid->cells[o] ? (size_t)t : grid->cells[o] - 1;
+#ifdef __SSE2__
+    const __m128d above = _mm_max_sd(_mm_set_sd(t), _mm_setzero_pd());
+    return (size_t)_mm_cvttsd_si64(_mm_min_sd(above, _mm_set_sd(grid->last[o])));
+#else
+    const double last = grid->last[o], above = t > 0.0 ? t : 0.0;
+    return (size_t)(int64_t)(above < last ? above : last);
+#endif
 }
 
 static inline size_t pm__grid_cell(const pm__grid *grid, unsigned o, double x)

@@ -188,8 +188,10 @@ static void carried_task(void *argument, size_t chunk)
     pm_map *const map = f->map;
     double most = 0.0;
     for (size_t i = chunk * CHUNK; i < chunk_end(map, chunk); i++) {
-        if (i + AHEAD < map->count) /* the caller's order is any, so every photon is a cache miss */
-            __builtin_prefetch(&f->photons[map->ids[i + AHEAD]]);
+        if (i + AHEAD < map->count) { /* the caller's order is any, so every photon is a cache miss, or two */
+            __builtin_prefetch(f->photons[map->ids[i + AHEAD]].direction);
+            __builtin_prefetch(&f->photons[map->ids[i + AHEAD]].power[2]);
+        }
         const pm_photon *const p = &f->photons[map->ids[i]];
         pm__carry(map, i, p);
         for (int c = 0; c < 3; c++)

@@ -4,11 +4,16 @@
 
 #include "search.h"
 
-typedef void pm__grid_kernel(const pm_map *map, const pm__query *query, pm__result *result);
+enum { PM__GRID_BATCH = 16 };
 
-pm__grid_kernel pm__grid_plain;
+typedef struct pm__grid_kernel {
+    void (*find)(const pm_map *map, const pm__query *query, pm__result *result);
+    void (*find_batch)(const pm_map *map, const pm__query *queries, pm__result *results, size_t count);
+} pm__grid_kernel;
+
+extern const pm__grid_kernel pm__grid_plain;
 #ifdef __x86_64__
-pm__grid_kernel pm__grid_v2, pm__grid_avx2, pm__grid_avx512;
+extern const pm__grid_kernel pm__grid_v2, pm__grid_avx2, pm__grid_avx512;
 #endif
 
 #endif

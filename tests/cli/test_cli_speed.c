@@ -19,21 +19,24 @@ static const char *text_of(const json_t *row, const char *field)
 START_TEST(test_fields_are_the_contract)
 {
     json_t *const root = pm__expect_json("speed cornell " TINY "--threads 2 --json -");
-    static const char *const quantities[] = {"trace", "trace-threads", "visualize", "skip", "skip"};
-    static const double promises[] = {0.6, 1.8, 2.0 / 3.0};
+    static const char *const quantities[] = {"trace", "trace-threads", "visualize", "skip",
+                                             "skip",  "pass",          "pass-threads", "pass-rays"};
+    static const char *const methods[] = {"", "", "visualize", "visualize", "full", "ppm", "ppm", "ppm"};
+    static const double promises[] = {0.6, 1.8, 2.0 / 3.0, 0.0, 0.0, 1.0 / 1.3, 1.8, 1.0}; /* 0: none */
     ck_assert_str_eq(text_of(root, "command"), "speed");
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 5);
-    for (size_t i = 0; i < 5; i++) {
+    ck_assert_uint_eq(json_array_size(rows_of(root)), 8);
+    for (size_t i = 0; i < 8; i++) {
         json_t *const row = json_array_get(rows_of(root), i);
         pm__check_keys(row, "scene quantity method photons threads seconds baseline baseline_seconds ratio ratio_ci95 "
                             "promise samples status detail agree aa_ratio aa_ratio_ci95 warning");
         ck_assert_str_eq(text_of(row, "quantity"), quantities[i]);
         ck_assert_str_eq(text_of(row, "scene"), "scene:cornell:albedo=0.75,ior=1.5,moved=0");
         ck_assert_double_gt(json_number_value(json_object_get(row, "ratio")), 0.0);
-        if (i < 3)
+        if (promises[i] > 0.0)
             PM_CHECK_NEAR(json_number_value(json_object_get(row, "promise")), promises[i], 1e-12);
-        ck_assert(i < 3 ? json_is_null(json_object_get(row, "agree")) : json_is_true(json_object_get(row, "agree")));
-        ck_assert_str_eq(text_of(row, "method"), i < 2 ? "" : i == 4 ? "full" : "visualize");
+        json_t *const agree = json_object_get(row, "agree");
+        ck_assert(promises[i] > 0.0 ? json_is_null(agree) : json_is_true(agree));
+        ck_assert_str_eq(text_of(row, "method"), methods[i]);
     }
     json_decref(root);
 }
@@ -70,7 +73,8 @@ END_TEST
 START_TEST(test_screen_is_100_columns)
 {
     const pm__run *const run = pm__expect("speed corner " TINY "--threads 2 --quiet", 0, NULL);
-    static const char *const parts[] = {"trace:", "trace-threads:", "visualize:", "skip:", "rays a photon", "p = "};
+    static const char *const parts[] = {"trace:", "trace-threads:", "visualize:", "skip:", "rays a photon", "p = ",
+                                        "pass:", "pass-threads:", "pass-rays:", "times its parts", "rays traced"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         ck_assert_msg(strstr(run->out, parts[i]) != NULL, "no '%s' in %s", parts[i], run->out);
     size_t column = 0;
@@ -91,7 +95,8 @@ START_TEST(test_refusals)
     (void)pm__expect("speed --k 0", 2, "integer");
     (void)pm__expect("speed --photons 50 --k 100", 2, "--k 100 is more than --photons 50");
     (void)pm__expect("speed --seconds 0", 2, "seconds");
-    (void)pm__expect("speed cornell --quantity trace-threads --threads 1", 0, "no rows: trace-threads needs");
+    (void)pm__expect("speed cornell --quantity trace-threads --threads 1", 0,
+                     "no rows: trace-threads and pass-threads need");
     (void)pm__expect("speed cornell " TINY "--quantity trace --quiet --json /dev/full -o /dev/null", 4, "full");
 }
 END_TEST

@@ -139,12 +139,12 @@ static bool same_maps(const pm_map *a, const pm_map *b)
 START_TEST(threads_do_not_change_the_map)
 {
     const size_t count = 50000;
-    for (int levels = 0; levels <= 32; levels += 16) {
+    for (int levels = 0; levels <= 48; levels += 16) {
         pm_photon *const photons = random_photons(count, 3, levels % 32);
         size_t threads = 3;
         pm_error error;
         const pm_parallel parallel = pm__parallel_for(&threads);
-        const pm_search *const search = levels == 32 ? NULL : pm_search_find("recursive");
+        const pm_search *const search = levels == 32 ? NULL : pm_search_find(levels == 48 ? "grid" : "recursive");
         const pm_map_options alone = {.search = search}, options = {.search = search, .parallel = &parallel};
         pm_map *serial = NULL, *threaded = NULL;
         PM_CHECK_OK(pm_map_create(photons, count, &alone, &serial, &error), error);

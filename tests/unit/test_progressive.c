@@ -75,6 +75,64 @@ START_TEST(ppm_is_the_mean_of_its_passes)
 }
 END_TEST
 
+/* ---- A pass by the public interface ------------------------------------------------------------ */
+
+/* What pm_estimate says, one point at a time, in a map built for another search: to rounding, whether points are looked
+ * up together (where they find few photons) or one by one (where these are more than there is room for). */
+static void check_estimates(const char *scene, const char *kernel, double radius)
+{
+    progress *const p = progress_create(scene, "ppm", kernel, radius);
+    p->config.width = p->config.height = 24;
+    p->config.photons = 20000;
+    p->config.front_only = true;
+    (void)progress_open(p);
+    pm__run run = progress_begin(p, 0);
+    pm__photon_set set = shoot_pass(p, &run, 0);
+    pm_map *map;
+    pm_workspace *workspace;
+    pm_error error;
+    double seen = 0.0;
+    PM_CHECK_OK(pm_map_create(set.photons, set.count, NULL, &map, &error), error);
+    ck_assert_int_eq(pm_workspace_create(8, &workspace), PM_OK);
+    progress_pass(&run, 1);
+    double(*const radiance)[3] = progress_read(&run);
+    for (size_t i = 0; i < p->progression.points; i++) {
+        const pm__hit_point *const point = &p->progression.fixed[i];
+        const pm_source source = {.maps = (const pm_map *const[]){map}, .map_count = 1, .dimensions = 2};
+        pm_query query;
+        pm_estimation estimation;
+        double brdf[3];
+        if (!point->material)
+            continue;
+        pm__point_query(&p->progression, point, 0, radius, &query);
+        ck_assert_int_eq(pm_estimate(p->kernel, &source, &query, workspace, &estimation), PM_OK);
+        pm__hit_point_brdf(point, point->normal, brdf);
+        for (int b = 0; b < 3; b++) {
+            const double want = point->emitted[b] + point->weight[b] * brdf[b] * estimation.value[b];
+            PM_CHECK_NEAR(radiance[i][b], want, 1e-12 * (1.0 + fabs(want)));
+        }
+        seen += (double)estimation.count;
+    }
+    ck_assert_double_gt(seen, 100.0);
+    free(radiance);
+    pm_workspace_destroy(workspace);
+    pm_map_destroy(map);
+    pm__photon_set_free(&set);
+    pm__run_end(&run);
+    progress_free(p);
+}
+
+START_TEST(passes_are_estimates)
+{
+    static const char *const kernels[] = {"disc", "cone", "epanechnikov", "gaussian"};
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
+        check_estimates("scene:cornell", kernels[i], 0.02);
+        check_estimates("scene:cornell", kernels[i], 0.15);
+        check_estimates("scene:furnace", kernels[i], 0.05);
+    }
+}
+END_TEST
+
 /* pppm looks at no photon: the product of (i + alpha) / (i + 1) from i = 1, here by the gamma function. */
 START_TEST(pppm_keeps_its_schedule)
 {
@@ -406,7 +464,7 @@ END_TEST
 
 int main(void)
 {
-    const TTest *const once[] = {ppm_is_the_mean_of_its_passes, pppm_keeps_its_schedule,
+    const TTest *const once[] = {ppm_is_the_mean_of_its_passes, pppm_keeps_its_schedule, passes_are_estimates,
                                  average_and_combination_of_maps, one_map_of_all_passes, appm_takes_the_optimum,
                                  appm_keeps_its_bounds, appm_without_photons_follows_the_schedule,
                                  memory_does_not_grow_with_passes};

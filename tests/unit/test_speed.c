@@ -115,7 +115,7 @@ static bool always(void *context)
 
 static pm__speed_config tiny(const pm__spec *scene, unsigned quantities)
 {
-    return (pm__speed_config){.scenes = scene, .scene_count = 1, .quantities = quantities, .photons = 300, .k = 8,
+    return (pm__speed_config){.scenes = scene, .scene_count = 1, .quantities = quantities, .photons = 300, .pass_photons = 300, .k = 8,
                               .width = 8, .height = 8, .threads = 1, .seconds = 1e-3, .seed = 1};
 }
 
@@ -129,15 +129,16 @@ static pm__spec scene_of(const char *name)
 
 START_TEST(test_rows_say_what_was_compared)
 {
-    static const char *const baselines[] = {"embree", "rays + search", "no-skip", "no-skip"};
-    static const pm__quantity quantities[] = {PM__TRACE_SPEED, PM__VISUALIZE_SPEED, PM__SKIP_SPEED, PM__SKIP_SPEED};
+    static const char *const baselines[] = {"embree", "rays + search", "no-skip", "no-skip", "parts", "2e6 rays"};
+    static const pm__quantity quantities[] = {PM__TRACE_SPEED, PM__VISUALIZE_SPEED, PM__SKIP_SPEED,
+                                              PM__SKIP_SPEED,  PM__PASS_SPEED,      PM__PASS_RAYS_SPEED};
     const pm__spec scene = scene_of("scene:cornell");
     const pm__speed_config config = tiny(&scene, 0);
     pm__speed_row *rows;
     size_t count;
     pm_error error;
     PM_CHECK_OK(pm__speed_run(&config, &rows, &count, &error), error);
-    ck_assert_uint_eq(count, 4); /* one thread: no trace-threads */
+    ck_assert_uint_eq(count, 6); /* one thread: no trace-threads, no pass-threads */
     for (size_t i = 0; i < count; i++) {
         const pm__speed_row *const row = &rows[i];
         ck_assert_int_eq(row->quantity, quantities[i]);

@@ -8,7 +8,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { POINTS = 256 }; /* of one task */
+/* Of one task; photons of a lookup for which there is room where several are looked up together. */
+enum { POINTS = 256, STRIDE = 64 };
+#define NONE SIZE_MAX
 
 void pm__point_query(const pm__progression *progression, const pm__hit_point *point, size_t k, double radius,
                      pm_query *query)
@@ -45,33 +47,52 @@ static void brdf_at(void *context, const float incoming[3], const float outgoing
 typedef struct looking {
     pm__run *run;
     const pm_map *map;
+    bool bare; /* the kernel needs no more of photons than distances */
     _Atomic int failure;
 } looking;
+
+/* ---- One point --------------------------------------------------------------------------------- */
+
+static pm_source source_at(const looking *work, const pm__hit_point *point)
+{
+    const bool even = point->material->kind == PM__DIFFUSE;
+    return (pm_source){.maps = &work->map, .map_count = 1, .dimensions = 2, .brdf = even ? NULL : brdf_at,
+                       .brdf_context = (void *)(uintptr_t)point};
+}
+
+static void tell(const looking *work, const pm__hit_point *point, const pm_estimation *estimation,
+                 const pm_workspace *workspace, pm__found *found)
+{
+    double brdf[3] = {1.0, 1.0, 1.0};
+    if (point->material->kind == PM__DIFFUSE)
+        pm__hit_point_brdf(point, point->normal, brdf);
+    for (int b = 0; b < 3; b++) {
+        found->share[b] = point->weight[b] * brdf[b];
+        found->radiance[b] = found->share[b] * estimation->value[b];
+    }
+    found->area = 3.14159265358979323846 * estimation->radius * estimation->radius;
+    found->count = estimation->count;
+    found->neighbors = workspace->sets;
+    found->unit = pm_map_unit(work->map);
+}
+
+static bool is_told(pm_status status)
+{
+    return status == PM_OK || status == PM_EDEGENERATE; /* such a neighbourhood stays black */
+}
 
 static pm_status look(const looking *work, const pm__hit_point *point, size_t k, double radius,
                       pm_workspace *workspace, pm__found *found)
 {
     const pm__progression *const p = work->run->of;
-    const bool even = point->material->kind == PM__DIFFUSE;
-    pm_source source = {.maps = &work->map, .map_count = 1, .dimensions = 2, .brdf = even ? NULL : brdf_at,
-                        .brdf_context = (void *)(uintptr_t)point};
+    const pm_source source = source_at(work, point);
     pm_query query;
     pm_estimation estimation;
-    double brdf[3] = {1.0, 1.0, 1.0};
-    if (even)
-        pm__hit_point_brdf(point, point->normal, brdf);
     pm__point_query(p, point, k, radius, &query);
     const pm_status status = pm_estimate(p->config->estimator, &source, &query, workspace, &estimation);
-    if (status != PM_OK && status != PM_EDEGENERATE) /* such a neighbourhood stays black */
+    if (!is_told(status))
         return status;
-    for (int b = 0; b < 3; b++) {
-        found->share[b] = point->weight[b] * brdf[b];
-        found->radiance[b] = found->share[b] * estimation.value[b];
-    }
-    found->area = 3.14159265358979323846 * estimation.radius * estimation.radius;
-    found->count = estimation.count;
-    found->neighbors = workspace->sets;
-    found->unit = pm_map_unit(work->map);
+    tell(work, point, &estimation, workspace, found);
     return PM_OK;
 }
 
@@ -93,44 +114,123 @@ static pm_status look_further(const looking *work, const pm__hit_point *point, s
     return status;
 }
 
-static pm_status look_at(const looking *work, size_t i, pm_workspace *workspace)
+/* The same from photons that have been found, within a radius alone and for a bare kernel. */
+static pm_status look_among(const looking *work, const pm__hit_point *point, const pm_query *query,
+                            pm_neighbor *neighbors, size_t count, pm_workspace *workspace, pm__found *found)
+{
+    const pm_estimator *const kernel = work->run->of->config->estimator;
+    const pm_source source = source_at(work, point);
+    const pm__gathering gathering = {.source = &source, .unit = pm_map_unit(work->map)};
+    pm_estimation estimation = {.radius = (double)query->max_radius, .count = count};
+    pm_status status = pm__gather_found(work->map, query, neighbors, count, &gathering, workspace);
+    if (status != PM_OK)
+        return status;
+    pm__point_sets(workspace, 1, false);
+    const pm__lookup lookup = {.sets = workspace->sets, .set_count = 1, .dimensions = source.dimensions,
+                               .unit = gathering.unit};
+    status = pm__evaluate(&kernel->spec, &lookup, workspace, estimation.value);
+    if (!is_told(status))
+        return status;
+    tell(work, point, &estimation, workspace, found);
+    return PM_OK;
+}
+
+/* ---- Several together -------------------------------------------------------------------------- */
+
+/* What a point asks for, and the photons that lie within its radius where that is all. */
+typedef struct asking {
+    const pm__hit_point *point;
+    pm__hit_point drawn;
+    size_t k;
+    double radius;
+    size_t query; /* of the group; NONE: it is looked up by itself, or not at all */
+} asking;
+
+typedef struct group {
+    asking points[PM__AT_ONCE];
+    pm_query queries[PM__AT_ONCE];
+    size_t query_count, counts[PM__AT_ONCE];
+    pm_neighbor neighbors[PM__AT_ONCE * STRIDE];
+} group;
+
+static void ask(const looking *work, size_t i, group *g, asking *to)
 {
     pm__run *const run = work->run;
     const pm__progressive *const method = pm__progressive_of(run);
-    double *const state = run->state + i * method->fields;
-    const pm__hit_point *point = &run->of->fixed[i];
-    pm__hit_point drawn;
-    pm__found found = {.count = 0};
+    to->point = &run->of->fixed[i];
+    to->k = 0;
+    to->radius = 0.0;
+    to->query = NONE;
     if (method->redraws) {
         pm__eye eye;
         pm__run_eye(run->of, run->seed, run->passes, i, false, &eye);
-        pm__hit_point_follow(&eye, &drawn);
-        point = &drawn;
+        pm__hit_point_follow(&eye, &to->drawn);
+        to->point = &to->drawn;
     }
-    memcpy(found.emitted, point->emitted, sizeof found.emitted);
+    if (!to->point->material)
+        return;
+    to->radius = INFINITY;
+    method->ask(run, i, run->state + i * method->fields, &to->k, &to->radius);
+    if (to->k || !(to->radius > 0.0) || !work->bare)
+        return;
+    to->query = g->query_count++;
+    pm__point_query(run->of, to->point, 0, to->radius, &g->queries[to->query]);
+}
+
+static pm_status take(const looking *work, size_t i, group *g, const asking *from, pm_workspace *workspace)
+{
+    const pm__run *const run = work->run;
+    const pm__progressive *const method = pm__progressive_of(run);
+    pm__found found = {.count = 0};
     pm_status status = PM_OK;
-    if (point->material) {
-        size_t k = 0;
-        double radius = INFINITY;
-        method->ask(run, i, state, &k, &radius);
-        if (k || radius > 0.0)
-            status = look(work, point, k, radius, workspace, &found);
-    }
+    memcpy(found.emitted, from->point->emitted, sizeof found.emitted);
+    if (from->query != NONE && g->counts[from->query] <= STRIDE)
+        status = look_among(work, from->point, &g->queries[from->query], g->neighbors + from->query * STRIDE,
+                            g->counts[from->query], workspace, &found);
+    else if (from->k || from->radius > 0.0)
+        status = look(work, from->point, from->k, from->radius, workspace, &found);
     if (status != PM_OK)
         return status;
     const double radius = radius_of(run, i);
-    method->take(run, &found, state);
-    return found.neighbors && radius > 0.0 ? look_further(work, point, i, radius, workspace, &found) : PM_OK;
+    method->take(run, &found, run->state + i * method->fields);
+    return found.neighbors && radius > 0.0 ? look_further(work, from->point, i, radius, workspace, &found) : PM_OK;
+}
+
+/* What the next group reads comes from far off: points and states are many times what caches hold. */
+static void fetch(const pm__run *run, size_t i)
+{
+    const size_t fields = pm__progressive_of(run)->fields;
+    if (i >= run->of->points)
+        return;
+    for (size_t at = 0; at < sizeof *run->of->fixed; at += 64)
+        __builtin_prefetch((const char *)&run->of->fixed[i] + at);
+    for (size_t f = 0; f < fields; f += 8)
+        __builtin_prefetch(&run->state[i * fields + f], 1);
+}
+
+static pm_status look_at_group(const looking *work, size_t first, size_t count, group *g, pm_workspace *workspace)
+{
+    g->query_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        fetch(work->run, first + i + PM__AT_ONCE);
+        ask(work, first + i, g, &g->points[i]);
+    }
+    pm_status status = pm__search_within(work->map, g->queries, g->query_count, g->neighbors, STRIDE, g->counts);
+    for (size_t i = 0; i < count && status == PM_OK; i++)
+        status = take(work, first + i, g, &g->points[i], workspace);
+    return status;
 }
 
 static void look_at_block(void *argument, size_t block)
 {
     looking *const work = argument;
     const pm__progression *const p = work->run->of;
+    const size_t end = (block + 1) * POINTS < p->points ? (block + 1) * POINTS : p->points;
+    group g; /* not initialised as a whole: it is large */
     pm_workspace *workspace = NULL;
     pm_status status = pm_workspace_create(p->config->k ? p->config->k : 64, &workspace);
-    for (size_t i = block * POINTS; i < (block + 1) * POINTS && i < p->points && status == PM_OK; i++)
-        status = look_at(work, i, workspace);
+    for (size_t i = block * POINTS; i < end && status == PM_OK; i += PM__AT_ONCE)
+        status = look_at_group(work, i, end - i < PM__AT_ONCE ? end - i : PM__AT_ONCE, &g, workspace);
     if (status != PM_OK)
         atomic_store(&work->failure, (int)status);
     pm_workspace_destroy(workspace);
@@ -138,7 +238,8 @@ static void look_at_block(void *argument, size_t block)
 
 pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error)
 {
-    looking work = {.run = run, .map = map};
+    const pm__estimator *const kernel = pm__estimator_of(&run->of->config->estimator->spec);
+    looking work = {.run = run, .map = map, .bare = kernel->weight && !kernel->needs};
     const double start = pm__seconds();
     pm__for(run->of->config->parallel, (run->of->points + POINTS - 1) / POINTS, look_at_block, &work);
     run->lookup_s += pm__seconds() - start;

@@ -26,7 +26,7 @@ typedef struct pm__progressive_config {
     size_t k;                      /* photons of such a lookup, and of lookups of methods that do not shrink */
     size_t photons;                /* emitted a pass */
     bool front_only;               /* lookups refuse photons from behind, where there can be any */
-    const pm_search *search;       /* NULL: the fastest */
+    const pm_search *search;       /* NULL: the fastest for the lookups that there are */
     const pm__sampler *sampler;    /* of emission; NULL: independent photons */
     uint64_t seed;
     bool estimates;                /* runs estimate their own error */
@@ -183,6 +183,9 @@ static inline const double *pm__progressive_values(const pm__run *run)
 /* Photons of pass `pass`, and a map of photons: run's counts and times are added to. */
 pm_status pm__run_shoot(pm__run *run, uint32_t pass, pm__photon_set *set, pm_error *error);
 pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error);
+/* The map of a pass: where lookups have a radius and no k, one that is built for them, unless the configuration has a
+ * search. */
+pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error);
 /* Looks up at every point by the method's ask and take. */
 pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error);
 

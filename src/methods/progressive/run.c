@@ -62,15 +62,29 @@ pm_status pm__run_shoot(pm__run *run, uint32_t pass, pm__photon_set *set, pm_err
     return status;
 }
 
-pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error)
+static pm_status make_map(pm__run *run, const pm__photon_set *set, const pm_search *search, pm_map **map,
+                          pm_error *error)
 {
-    const pm__progressive_config *const config = run->of->config;
     const pm_map_options options = {
-        .parallel = config->parallel, .search = config->search, .no_directions = !run->of->directions};
+        .parallel = run->of->config->parallel, .search = search, .no_directions = !run->of->directions};
     const double start = pm__seconds();
     const pm_status status = pm_map_create(set->photons, set->count, &options, map, error);
     run->build_s += pm__seconds() - start;
     return status;
+}
+
+pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error)
+{
+    return make_map(run, set, run->of->config->search, map, error);
+}
+
+/* A map of one pass is asked once at each point: what it takes to build counts as much as how it answers, and a grid is
+ * built in half the time of the boxes that find the k nearest. */
+pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error)
+{
+    const pm_search *const asked = run->of->config->search;
+    const bool radii = pm__progressive_of(run)->shrinks;
+    return make_map(run, set, asked || !radii ? asked : pm_search_find("grid"), map, error);
 }
 
 static pm_status photon_pass(pm__run *run, pm_error *error)
@@ -79,7 +93,7 @@ static pm_status photon_pass(pm__run *run, pm_error *error)
     pm_map *map = NULL;
     pm_status status = pm__run_shoot(run, run->passes, &set, error);
     if (status == PM_OK)
-        status = pm__run_map(run, &set, &map, error);
+        status = pm__run_pass_map(run, &set, &map, error);
     pm__photon_set_free(&set);
     if (status == PM_OK)
         status = pm__run_lookups(run, map, error);
