@@ -115,8 +115,9 @@ static bool always(void *context)
 
 static pm__speed_config tiny(const pm__spec *scene, unsigned quantities)
 {
-    return (pm__speed_config){.scenes = scene, .scene_count = 1, .quantities = quantities, .photons = 300, .pass_photons = 300, .k = 8,
-                              .width = 8, .height = 8, .threads = 1, .seconds = 1e-3, .seed = 1};
+    return (pm__speed_config){.scenes = scene, .scene_count = 1, .quantities = quantities, .photons = 300,
+                              .pass_photons = 300, .k = 8, .width = 8, .height = 8, .threads = 1, .seconds = 1e-3,
+                              .seed = 1};
 }
 
 static pm__spec scene_of(const char *name)
