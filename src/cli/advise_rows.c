@@ -197,6 +197,24 @@ static void print_reached(FILE *file, const pm__advice *a)
                   strcmp(a->status, "ok") ? "missed" : a->ratio < 0.75 ? "better" : "within 25 %");
 }
 
+/* Within 100 columns and to be pasted all the same: lines that go on say so, before an option. */
+static void print_command(FILE *file, const char *command)
+{
+    size_t column = 2;
+    while (*command) {
+        const char *const next = strstr(command + 1, " --");
+        const size_t length = next ? (size_t)(next - command) : strlen(command);
+        if (column > 2 && column + length > 97) {
+            (void)fputs(" \\\n     ", file);
+            column = 5;
+        }
+        (void)fprintf(file, "%.*s", (int)length, command);
+        column += length;
+        command += length;
+    }
+    (void)fputc('\n', file);
+}
+
 void pm__advise_print(FILE *file, const pm__advise_task *task)
 {
     char subject[PM__MAX_SPEC], command[COMMAND];
@@ -217,7 +235,7 @@ void pm__advise_print(FILE *file, const pm__advise_task *task)
                             "image.\n", image->width, image->height);
     pm__advise_command(task, best, command, sizeof command);
     (void)fprintf(file, "%s:\n  ", best->advised ? "The least time, marked *, is that of" : "The nearest comes");
-    pm__wrap(file, command, 2, 6);
+    print_command(file, command);
     if (isfinite(best->ratio))
         print_reached(file, best);
 }

@@ -145,7 +145,7 @@ static pm_status advise(const pm__advise_config *config, bool verify, pm__progre
 }
 
 static pm_status measure(const pm__settings *s, const pm__advise_config *config, pm__progress *progress,
-                         pm__sinks *sinks, bool *held, pm_error *error)
+                         pm__sinks *sinks, bool *held, bool *verified, pm_error *error)
 {
     pm__advice *advice = NULL;
     size_t count = 0;
@@ -153,6 +153,7 @@ static pm_status measure(const pm__settings *s, const pm__advise_config *config,
     pm_status status = advise(config, s->advise.verify, progress, s->quiet, &advice, &count, error);
     if (status == PM_OK) {
         const pm__advise_task task = {s, config, advice, count, pm__seconds() - start};
+        *verified = isfinite(advice[0].ratio);
         *held = advice[0].advised && strcmp(advice[0].status, "ok") == 0;
         if (pm__sinks_screen(sinks))
             pm__advise_print(pm__sinks_screen(sinks), &task);
@@ -164,15 +165,15 @@ static pm_status measure(const pm__settings *s, const pm__advise_config *config,
     return status;
 }
 
-static int finish(const pm__settings *s, pm_status status, bool held, const pm_error *error)
+static int finish(const pm__settings *s, pm_status status, bool held, bool verified, const pm_error *error)
 {
     if (status == PM_ECANCELED && !s->quiet)
         pm__complain("advise", "interrupted: there is no advice yet");
     else if (status != PM_OK && status != PM_ECANCELED)
         pm__complain("advise", "%s", *error->text ? error->text : pm_status_text(status));
     else if (status == PM_OK && !held)
-        pm__complain("advise", "%s", s->advise.verify ? "the error asked for was not reached within 25 %: see the rows"
-                                                      : "that error is out of reach: see what comes nearest");
+        pm__complain("advise", "%s", verified ? "the error asked for was not reached within 25 %: see the rows"
+                                              : "that error is out of reach: see what comes nearest");
     return status == PM_OK && !held ? PM__EXIT_CHECK_FAILED : pm__exit_status(status);
 }
 
@@ -181,7 +182,7 @@ static int run(pm__settings *s)
     pm_error error = {""};
     pm__sinks sinks;
     pm__progress progress = {.shown = false};
-    bool held = true;
+    bool held = true, verified = false;
     pm_status status = check(s, &error);
     if (status == PM_OK)
         status = take_subject(s, &error);
@@ -191,9 +192,9 @@ static int run(pm__settings *s)
         status = pm__sinks_open(s, true, &sinks, &error);
     if (status == PM_OK) {
         const pm__advise_config config = config_of(s, &parallel, &progress);
-        status = measure(s, &config, &progress, &sinks, &held, &error);
+        status = measure(s, &config, &progress, &sinks, &held, &verified, &error);
     }
-    return finish(s, status, held, &error);
+    return finish(s, status, held, verified, &error);
 }
 
 static const pm__option *const options_taken[] = {

@@ -8,6 +8,7 @@
 #include "parallel.h"
 #include "progress.h"
 #include "render_options.h"
+#include "same_file.h"
 
 #include "../../estimators/estimator.h"
 #include "../base/clock.h"
@@ -93,7 +94,7 @@ static pm_status check_files(const pm__settings *s, pm_error *error)
     const char *const others[] = {s->json, s->csv, s->markdown, s->output};
     const char *const ours[] = {s->converge.checkpoint, s->converge.resume};
     for (size_t i = 0; i < 8; i++)
-        if (others[i / 2] && ours[i % 2] && strcmp(others[i / 2], ours[i % 2]) == 0)
+        if (others[i / 2] && ours[i % 2] && pm__same_file(others[i / 2], ours[i % 2]))
             return pm__fail(error, PM_EINVAL, "--%s and an output of rows are both '%.200s'",
                             i % 2 ? "resume" : "checkpoint", ours[i % 2]);
     return PM_OK;

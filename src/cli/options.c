@@ -1,5 +1,6 @@
 /* The parser: getopt_long for the grammar, our own messages. */
 #include "commands.h"
+#include "same_file.h"
 
 #include <getopt.h>
 #include <stdlib.h>
@@ -128,7 +129,7 @@ static pm_status check_outputs(const pm__settings *settings, pm_error *error)
     const char *const paths[] = {settings->json, settings->csv, settings->markdown, settings->output};
     for (size_t i = 0; i < 4; i++)
         for (size_t j = 0; j < i; j++)
-            if (paths[i] && paths[j] && strcmp(paths[i], paths[j]) == 0 && strcmp(paths[i], "/dev/null") != 0)
+            if (paths[i] && paths[j] && pm__same_file(paths[i], paths[j]) && strcmp(paths[i], "/dev/null") != 0)
                 return pm__fail(error, PM_EINVAL, "%s and %s both write to '%.200s'", names[j], names[i], paths[i]);
     return PM_OK;
 }

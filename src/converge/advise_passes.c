@@ -168,6 +168,9 @@ static uint32_t first_passes(const pm__advising *a, double pass_seconds)
 static pm_status study(pm__advising *a, const series_order *o, pm__advice *advice, pm_error *error)
 {
     double seconds = 0.0;
+    if (passes_allowed(o->config) < 1.0)
+        return pm__fail(error, PM_EINVAL, "a pass emits %d photons, more than the most that there may be",
+                        PM__ADVISE_PASS);
     pm_status status = time_passes(o, TIMED_PASSES, &seconds, error);
     uint32_t passes = first_passes(a, seconds / TIMED_PASSES);
     for (int round = 0; round < ROUNDS && passes && status == PM_OK; round++) {

@@ -108,10 +108,12 @@ static void fit(const pm__record_set *set, size_t first, const double *logs, pm_
         squares += off * off;
     }
     result->slope_error = sqrt(((double)n - 1.0) / (double)n * squares);
-    result->fits = isfinite(result->slope) && isfinite(result->slope_error) && result->slope_error > 0.0;
+    result->fits = isfinite(result->slope) && isfinite(result->slope_error) && result->slope_error > 0.0 && n > 2;
     if (!result->fits) {
         (void)snprintf(result->detail, sizeof result->detail, "%s",
-                       n > 2 ? "not above 0 after each of these passes" : "an interval takes three trials");
+                       n < 3                       ? "an interval takes three trials"
+                       : !isfinite(result->slope) ? "not above 0 after each of these passes"
+                                                   : "trials do not differ");
         return;
     }
     const double half = pm__student_quantile(0.975, (double)n - 1.0) * result->slope_error;
