@@ -70,7 +70,7 @@ static pm_status find_moments(const pm__record_set *set, size_t record, double *
             sum[v] += (double)errors[t * step + v];
     for (size_t v = 0; v < values; v++)
         a += sum[v] * sum[v];
-    for (size_t t = 0; t < set->trials; t++) { /* the trial's own sums, for now */
+    for (size_t t = 0; t < set->trials; t++) { /* the trial's own sums take the place of what is made of them below */
         square[t] = variance[t] = 0.0;
         for (size_t v = 0; v < values; v++) {
             const double e = (double)errors[t * step + v];

@@ -33,6 +33,7 @@
  * Bands are added up, weighted as they are seen. State of fixed size; a lookup reaches REACH times as far as that of
  * pppm, which is what this method costs more. */
 #include "curvature.h"
+#include "means.h"
 #include "progressive.h"
 
 #include <math.h>
@@ -43,10 +44,7 @@ static const double pi = 3.14159265358979323846;
 static const double highest = 4.0, lowest = 1.0 / 1024.0; /* squared radius over that of the first pass, in pass 1 */
 
 enum {
-    SUM,
-    EMITTED = SUM + 3,
-    COUNT = EMITTED + 3,
-    FIRST2,    /* squared radius of pass 1, m2 */
+    FIRST2 = PM__MEAN_FIELDS,    /* squared radius of pass 1, m2 */
     RADIUS2,   /* of the coming one */
     GAIN,      /* of the kernel: h^6 = GAIN S / (lapl^2 i) */
     WEIGHT,    /* sums over passes i of: i, */
@@ -118,11 +116,11 @@ static void add_estimate(const pm__run *run, const pm__found *found, double *sta
         const double w = of->weight(kernel->spec.values, t2);
         for (int b = 0; b < 3; b++)
             sum[b] += w * (double)set->flux[j][b];
-        state[COUNT] += 1.0;
+        state[PM__FOUND] += 1.0;
     }
     const double divisor = of->norm(kernel->spec.values, 2) * pi * state[RADIUS2];
     for (int b = 0; b < 3; b++)
-        state[SUM + b] += found->share[b] * sum[b] / divisor;
+        state[PM__SUM + b] += found->share[b] * sum[b] / divisor;
 }
 
 static void add_curvature(const pm__found *found, double i, double *state)
@@ -154,23 +152,17 @@ static void take(const pm__run *run, const pm__found *found, double *state)
         add_curvature(found, i, state);
     }
     for (int b = 0; b < 3; b++)
-        state[EMITTED + b] += found->emitted[b];
+        state[PM__SEEN + b] += found->emitted[b];
     state[RADIUS2] = choose(state, run->of->config->alpha, i + 1.0);
 }
 
 /* ---- Answers ----------------------------------------------------------------------------------- */
 
-static void answer(const pm__run *run, const double *state, double radiance[3])
-{
-    for (int b = 0; b < 3; b++)
-        radiance[b] = (state[SUM + b] + state[EMITTED + b]) / (double)run->passes;
-}
-
 static pm__point_view view(const pm__run *run, size_t point, const double *state)
 {
     (void)run;
     (void)point;
-    return (pm__point_view){sqrt(state[RADIUS2]), state[COUNT]};
+    return (pm__point_view){sqrt(state[RADIUS2]), state[PM__FOUND]};
 }
 
 const pm__progressive pm__progressive_appm = {
@@ -184,7 +176,7 @@ const pm__progressive pm__progressive_appm = {
     .begin = begin,
     .ask = ask,
     .take = take,
-    .answer = answer,
+    .answer = pm__mean_answer,
     .averages = pm__always_averages,
     .view = view,
 };

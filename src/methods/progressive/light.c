@@ -13,6 +13,7 @@
  *
  * What mirrors or glass hide from the straight way to the eye is not found, however many photons: surfaces seen through
  * glass and in mirrors stay black. Lights themselves are seen as by the other methods, by a path from the eye. */
+#include "means.h"
 #include "progressive.h"
 
 #include "../../base/clock.h"
@@ -24,7 +25,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SUM, EMITTED = SUM + 3, COUNT = EMITTED + 3, FIELDS };
 enum { POINTS = 256, PHOTONS = 1024, BLOCKS = 64 }; /* of one task; tasks at once */
 
 /* What a photon adds, and to which point. */
@@ -119,10 +119,10 @@ static void add_round(const joining *work, size_t count)
         const splat *const s = &work->splats[i];
         if (s->point == NOWHERE)
             continue;
-        double *const state = work->run->state + s->point * FIELDS;
+        double *const state = work->run->state + s->point * PM__MEAN_FIELDS;
         for (int b = 0; b < 3; b++)
-            state[SUM + b] += s->radiance[b];
-        state[COUNT] += 1.0;
+            state[PM__SUM + b] += s->radiance[b];
+        state[PM__FOUND] += 1.0;
     }
 }
 
@@ -159,7 +159,7 @@ static void see_block(void *argument, size_t block)
         pm__run_eye(run->of, run->seed, run->passes, i, false, &eye);
         (void)pm__eye_follow(&eye);
         for (int b = 0; b < 3; b++)
-            run->state[i * FIELDS + EMITTED + (size_t)b] += eye.emitted[b];
+            run->state[i * PM__MEAN_FIELDS + PM__SEEN + (size_t)b] += eye.emitted[b];
     }
 }
 
@@ -187,7 +187,7 @@ static pm_status whole_pass(pm__run *run, pm_error *error)
 /* Canceled between rounds, the run is as it was before: some had been added. */
 static pm_status pass(pm__run *run, pm_error *error)
 {
-    const size_t size = run->of->points * FIELDS * sizeof *run->state;
+    const size_t size = run->of->points * PM__MEAN_FIELDS * sizeof *run->state;
     const uint64_t emitted = run->emitted, stored = run->stored;
     double *const before = pm__alloc(size, 1);
     if (!before)
@@ -203,17 +203,11 @@ static pm_status pass(pm__run *run, pm_error *error)
     return status;
 }
 
-static void answer(const pm__run *run, const double *state, double radiance[3])
-{
-    for (int b = 0; b < 3; b++)
-        radiance[b] = (state[SUM + b] + state[EMITTED + b]) / (double)run->passes;
-}
-
 static pm__point_view view(const pm__run *run, size_t point, const double *state)
 {
     (void)run;
     (void)point;
-    return (pm__point_view){0.0, state[COUNT]};
+    return (pm__point_view){0.0, state[PM__FOUND]};
 }
 
 const pm__progressive pm__progressive_light = {
@@ -223,8 +217,8 @@ const pm__progressive pm__progressive_light = {
     .uses_photons = true,
     .no_lookups = true,
     .redraws = true,
-    .fields = FIELDS,
-    .answer = answer,
+    .fields = PM__MEAN_FIELDS,
+    .answer = pm__mean_answer,
     .averages = pm__always_averages,
     .view = view,
     .law = PM__LAW_UNBIASED,

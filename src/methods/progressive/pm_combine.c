@@ -6,44 +6,25 @@
  * last photon in full, as printed. A kernel leaves out its last photon in every pass: last=none gives (k - 1) / k in
  * the limit, and any kernel (k - 1 + last w(1) / c) / k. The bias of the Laplacian, m2 / 4 times mean r^4 over mean
  * r^2, which is (k + 1) / k mean r^2, stays that of one pass. */
-#include "progressive.h"
+#include "means.h"
 
-#include <math.h>
-
-static const double pi = 3.14159265358979323846;
-
-/* FLUX: radiance times area, W/sr. */
-enum { FLUX, AREA = FLUX + 3, COUNT, FIELDS };
-
-static void ask(const pm__run *run, size_t point, const double *state, size_t *k, double *radius)
-{
-    (void)point;
-    (void)state;
-    *k = run->of->config->k;
-    *radius = INFINITY;
-}
+/* Radiance times area, W/sr. */
+enum { FLUX = PM__NEAREST_SUM };
 
 static void take(const pm__run *run, const pm__found *found, double *state)
 {
     (void)run;
     for (int b = 0; b < 3; b++)
         state[FLUX + b] += found->radiance[b] * found->area;
-    state[AREA] += found->area;
-    state[COUNT] += (double)found->count;
+    state[PM__NEAREST_AREA] += found->area;
+    state[PM__NEAREST_COUNT] += (double)found->count;
 }
 
 static void answer(const pm__run *run, const double *state, double radiance[3])
 {
     (void)run;
     for (int b = 0; b < 3; b++)
-        radiance[b] = state[AREA] > 0.0 ? state[FLUX + b] / state[AREA] : 0.0;
-}
-
-/* As of pm-average. */
-static pm__point_view view(const pm__run *run, size_t point, const double *state)
-{
-    (void)point;
-    return (pm__point_view){run->passes ? sqrt(state[AREA] / (pi * run->passes)) : 0.0, state[COUNT]};
+        radiance[b] = state[PM__NEAREST_AREA] > 0.0 ? state[FLUX + b] / state[PM__NEAREST_AREA] : 0.0;
 }
 
 const pm__progressive pm__progressive_pm_combine = {
@@ -51,10 +32,10 @@ const pm__progressive pm__progressive_pm_combine = {
               .summary = "flux of all passes' k photons over the sum of their areas: the bias of curved light stays",
               .citation = "course 43, section 5.6; errata 11, 31"},
     .uses_photons = true,
-    .fields = FIELDS,
-    .ask = ask,
+    .fields = PM__NEAREST_FIELDS,
+    .ask = pm__nearest_ask,
     .take = take,
     .answer = answer,
-    .view = view,
+    .view = pm__nearest_view,
     .law = PM__LAW_POOLED,
 };

@@ -1,12 +1,13 @@
 /* Progressive photon mapping by probability (Knaus and Zwicker 2011): passes are independent but for their radius,
  * which shrinks by a rule that looks at no photon, r_{i+1}^2 / r_i^2 = (i + alpha) / (i + 1) with i from 1 (their eq.
  * 17); the answer is the mean of the passes. Any kernel serves. */
+#include "means.h"
 #include "shrink.h"
 
 #include <math.h>
 
 /* SHARE: squared radius over that of the first pass. */
-enum { SUM, EMITTED = SUM + 3, COUNT = EMITTED + 3, SHARE, FIELDS };
+enum { SHARE = PM__MEAN_FIELDS, FIELDS };
 
 static double shrink(double alpha, uint32_t pass)
 {
@@ -40,22 +41,16 @@ static void ask(const pm__run *run, size_t point, const double *state, size_t *k
 static void take(const pm__run *run, const pm__found *found, double *state)
 {
     for (int b = 0; b < 3; b++) {
-        state[SUM + b] += found->radiance[b];
-        state[EMITTED + b] += found->emitted[b];
+        state[PM__SUM + b] += found->radiance[b];
+        state[PM__SEEN + b] += found->emitted[b];
     }
-    state[COUNT] += (double)found->count;
+    state[PM__FOUND] += (double)found->count;
     state[SHARE] *= shrink(run->of->config->alpha, run->passes);
-}
-
-static void answer(const pm__run *run, const double *state, double radiance[3])
-{
-    for (int b = 0; b < 3; b++)
-        radiance[b] = (state[SUM + b] + state[EMITTED + b]) / (double)run->passes;
 }
 
 static pm__point_view view(const pm__run *run, size_t point, const double *state)
 {
-    return (pm__point_view){radius_of(run, point, state), state[COUNT]};
+    return (pm__point_view){radius_of(run, point, state), state[PM__FOUND]};
 }
 
 const pm__progressive pm__progressive_pppm = {
@@ -69,7 +64,7 @@ const pm__progressive pm__progressive_pppm = {
     .begin = begin,
     .ask = ask,
     .take = take,
-    .answer = answer,
+    .answer = pm__mean_answer,
     .averages = pm__always_averages,
     .view = view,
     .law = PM__LAW_SHRINKING,
