@@ -42,25 +42,18 @@ static void meet_few(const pm__scene *scene, const pm__batch_kernel *kernel, pm_
             kernel->meet_flat(b, shape, geometry->first, (int64_t)place);
         else if (shape->kind == PM__SHAPE_SPHERE)
             kernel->meet_sphere(b, shape, geometry->first, (int64_t)place);
-        else if (shape->kind == PM__SHAPE_WAVE || kernel->meet_cylinder(b, shape, geometry->first, (int64_t)place))
+        else if (shape->kind == PM__SHAPE_WAVE)
+            kernel->meet_wave(b, shape, geometry->first, (int64_t)place);
+        else if (kernel->meet_cylinder(b, shape, geometry->first, (int64_t)place))
             meet_one_by_one(scene, b, place);
     }
 }
 
-static void settle_waves(const pm__scene *scene, pm__batch *b)
+static void settle_waves(const pm__scene *scene, const pm__batch_kernel *kernel, pm__batch *b)
 {
-    for (size_t i = 0; i < b->count; i++) {
-        if (b->place[i] == PM__MOST_KEPT || scene->few->kept[b->place[i]]->shape.kind != PM__SHAPE_WAVE)
-            continue;
-        double position[3], normal[3];
-        for (int axis = 0; axis < 3; axis++)
-            position[axis] = b->position[axis][i];
-        pm__shape_settle(&scene->few->kept[b->place[i]]->shape, position, normal);
-        for (int axis = 0; axis < 3; axis++) {
-            b->position[axis][i] = position[axis];
-            b->normal[axis][i] = normal[axis];
-        }
-    }
+    for (size_t place = 0; place < scene->kept_count; place++)
+        if (scene->few->kept[place]->shape.kind == PM__SHAPE_WAVE)
+            kernel->settle_wave(b, &scene->few->kept[place]->shape, (int64_t)place);
 }
 
 static void ask_embree(const pm__scene *scene, const pm__batch_kernel *kernel, pm__batch *b)
@@ -93,7 +86,7 @@ void pm__scene_intersect_batch(const pm__scene *scene, const pm__batch_kernel *k
     if (scene->few->round_count > 0)
         kernel->settle_round(b, scene->few);
     if (scene->few->wave_count > 0)
-        settle_waves(scene, b);
+        settle_waves(scene, kernel, b);
     if (scene->kept_count < scene->geometry_count)
         ask_embree(scene, kernel, b);
 }

@@ -45,10 +45,12 @@ typedef struct pm__batch_kernel {
     void (*meet_sphere)(pm__batch *b, const struct pm__shape *shape, int64_t number, int64_t place);
     /* true: some rays are left to pm__shape_meet. */
     bool (*meet_cylinder)(pm__batch *b, const struct pm__shape *shape, int64_t number, int64_t place);
+    void (*meet_wave)(pm__batch *b, const struct pm__shape *shape, int64_t number, int64_t place);
     /* enter, leave and asks (0 or 1): is_embrees of rays.c. */
     void (*cut)(pm__batch *b, const pm__scene *scene);
     void (*settle)(pm__batch *b, const struct pm__few *few);
     void (*settle_round)(pm__batch *b, const struct pm__few *few);
+    void (*settle_wave)(pm__batch *b, const struct pm__shape *shape, int64_t place);
     /* pm__scatter by u of all whose kind is this: outgoing, power and goes_on (0 or 1; 0 also where FLT_MAX is
      * passed). NULL: one by one. */
     void (*scatter[PM__BLACK + 1])(pm__batch *b);

@@ -4,6 +4,7 @@
 
 #include "../base/random_lanes.h"
 #include "query.h"
+#include "wave.h"
 
 /* In loops a function of its own: arrays that are passed on then become variables. */
 #define INLINE static inline __attribute__((always_inline))
@@ -144,6 +145,81 @@ static bool meet_cylinder(pm__batch *b, const pm__shape *shape, int64_t number, 
     return left;
 }
 
+/* Rays that march over a wave together: enough to hide what a step waits for, few enough that none waits for many. */
+enum { PM__MARCHING = 32 };
+
+typedef struct marches {
+    _Alignas(64) double climb[PM__MARCHING], lift[PM__MARCHING], bend[PM__MARCHING], turns[PM__MARCHING];
+    double last[PM__MARCHING], tolerance[PM__MARCHING], least[PM__MARCHING];
+    double t[PM__MARCHING], height[PM__MARCHING], sine[PM__MARCHING], cosine[PM__MARCHING], side[PM__MARCHING];
+    uint64_t goes_on[PM__MARCHING], is_root[PM__MARCHING];
+} marches;
+
+INLINE uint64_t begin_march(const pm__batch *b, size_t i, const pm__shape *shape, int64_t number, size_t j, marches *all)
+{
+    const double o[3] = {b->origin[0][i], b->origin[1][i], b->origin[2][i]};
+    const double d[3] = {b->direction[0][i], b->direction[1][i], b->direction[2][i]};
+    pm__above over;
+    const pm__march m = pm__wave_begin(shape, o, d, b->distance[i], b->from[i] == number, &over);
+    all->climb[j] = over.climb;
+    all->lift[j] = over.lift;
+    all->bend[j] = over.bend;
+    all->turns[j] = over.turns;
+    all->last[j] = over.last;
+    all->tolerance[j] = over.tolerance;
+    all->least[j] = over.least;
+    all->t[j] = m.t;
+    all->height[j] = m.height;
+    all->sine[j] = m.sine;
+    all->cosine[j] = m.cosine;
+    all->side[j] = m.side;
+    all->goes_on[j] = m.goes_on;
+    all->is_root[j] = 0;
+    return m.goes_on;
+}
+
+/* What goes on no longer is computed with, and stays. */
+INLINE uint64_t march_on(size_t j, double amplitude, marches *all)
+{
+    const pm__above over = {.climb = all->climb[j], .lift = all->lift[j], .bend = all->bend[j], .turns = all->turns[j],
+                            .last = all->last[j], .tolerance = all->tolerance[j], .least = all->least[j]};
+    pm__march m = {.t = all->t[j], .height = all->height[j], .sine = all->sine[j], .cosine = all->cosine[j],
+                   .side = all->side[j]};
+    pm__wave_step(&over, amplitude, &m);
+    const bool goes = all->goes_on[j];
+    all->t[j] = goes ? m.t : all->t[j];
+    all->height[j] = m.height;
+    all->sine[j] = m.sine;
+    all->cosine[j] = m.cosine;
+    all->side[j] = m.side;
+    all->is_root[j] = goes ? m.is_root : all->is_root[j];
+    all->goes_on[j] = goes ? m.goes_on : 0;
+    return all->goes_on[j];
+}
+
+static void meet_wave(pm__batch *b, const pm__shape *shape, int64_t number, int64_t place)
+{
+    const size_t count = whole(b);
+    const pm__shape wave = *shape;
+    marches all;
+    for (size_t first = 0; first < count; first += PM__MARCHING) {
+        const size_t some = count - first < PM__MARCHING ? count - first : PM__MARCHING;
+        uint64_t any = 0;
+#pragma omp simd reduction(| : any)
+        for (size_t j = 0; j < some; j++)
+            any |= begin_march(b, first + j, &wave, number, j, &all);
+        while (any) {
+            any = 0;
+#pragma omp simd reduction(| : any)
+            for (size_t j = 0; j < some; j++)
+                any |= march_on(j, wave.amplitude, &all);
+        }
+#pragma omp simd
+        for (size_t j = 0; j < some; j++)
+            take(b, first + j, all.is_root[j] & (all.t[j] < b->distance[first + j]), all.t[j], place);
+    }
+}
+
 /* The corners of a box, padded or not. */
 typedef struct box {
     double low[3], high[3];
@@ -240,4 +316,20 @@ static void settle_round(pm__batch *b, const pm__few *few)
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
         settle_round_at(b, i, few);
+}
+
+/* Onto a wave, those that have met it. */
+static void settle_wave(pm__batch *b, const pm__shape *shape, int64_t place)
+{
+    const size_t count = whole(b);
+    const pm__shape wave = *shape;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        const bool is_its = b->place[i] == place;
+        double position[3] = {b->position[0][i], b->position[1][i], b->position[2][i]}, normal[3];
+        pm__wave_settle(&wave, position, normal);
+        b->position[2][i] = is_its ? position[2] : b->position[2][i];
+        for (int axis = 0; axis < 3; axis++)
+            b->normal[axis][i] = is_its ? normal[axis] : b->normal[axis][i];
+    }
 }

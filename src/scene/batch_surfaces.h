@@ -213,7 +213,8 @@ static void scatter_glossy(pm__batch *b)
 #define PM__BATCH_KERNEL                                                                                 \
     {                                                                                                    \
         .draw = draw, .emit = emit, .begin = begin, .meet_flat = meet_flat, .meet_sphere = meet_sphere,  \
-        .meet_cylinder = meet_cylinder, .cut = cut, .settle = settle, .settle_round = settle_round,      \
+        .meet_cylinder = meet_cylinder, .meet_wave = meet_wave, .cut = cut, .settle = settle,            \
+        .settle_round = settle_round, .settle_wave = settle_wave,                                        \
         .scatter = {[PM__DIFFUSE] = scatter_diffuse, [PM__GLOSSY] = scatter_glossy,                      \
                     [PM__MIRROR] = scatter_mirror, [PM__GLASS] = scatter_glass},                         \
     }

@@ -1,10 +1,8 @@
 /* Rays and shapes: where they meet, and the place on the shape to rounding. */
 #include "shapes.h"
 
-#include "../base/geometry.h"
 #include "../base/vec3.h"
-
-#define PI 3.14159265358979323846
+#include "wave.h"
 
 /* ---- Round shapes ------------------------------------------------------------------------------ */
 
@@ -110,113 +108,37 @@ static bool meet_flat(const pm__shape *shape, const pm__ray *ray, double *distan
 
 /* ---- The wave ---------------------------------------------------------------------------------- */
 
-/* The height of the ray over the wave, f(t) = f(0) + t dz + a (cos kx(0) - cos kx(t)), with the difference as a
- * product: exact near the origin, where f(0) is 0 for a ray that leaves the wave. */
-typedef struct profile {
-    double start;            /* f(0) */
-    double climb;            /* dz */
-    double amplitude;
-    double phase, frequency; /* k x(0), k dx >= 0: mirrored in x where the ray runs towards smaller x */
-    double sign;             /* turns a falling piece into a rising one for the root finder */
-} profile;
-
-static double profile_height(const profile *p, double t)
+static bool march(const pm__shape *shape, const double o[3], const double d[3], double reach, bool leaves,
+                  double *distance)
 {
-    const double half = 0.5 * p->frequency * t;
-    return p->start + t * p->climb + 2.0 * p->amplitude * sin(p->phase + half) * sin(half);
+    pm__above over;
+    pm__march m = pm__wave_begin(shape, o, d, reach, leaves, &over);
+    while (m.goes_on)
+        pm__wave_step(&over, shape->amplitude, &m);
+    *distance = m.t;
+    return m.is_root;
 }
 
-static double profile_rising(const void *context, double t, double *slope)
+/* From both ends to the middle: at an end that lies on the wave a march starts, and passes it over. */
+static bool is_between(const pm__shape *shape, const pm__ray *ray, double *distance)
 {
-    const profile *const p = context;
-    *slope = p->sign * (p->climb + p->amplitude * p->frequency * sin(p->phase + p->frequency * t));
-    return p->sign * profile_height(p, t);
-}
-
-static profile profile_of(const pm__shape *shape, const pm__ray *ray)
-{
-    const double rate = shape->wavenumber * ray->direction[0], x = shape->wavenumber * ray->origin[0];
-    return (profile){.start = ray->leaves ? 0.0 : ray->origin[2] - shape->centre[2] - shape->amplitude * cos(x),
-                     .climb = ray->direction[2],
-                     .amplitude = shape->amplitude,
-                     .phase = copysign(1.0, rate) * x,
-                     .frequency = fabs(rate)};
-}
-
-/* Turning point `index` of the height, ascending in t: sin(phase) = -climb / (amplitude frequency). */
-static double turning_point(const profile *p, double index)
-{
-    const double arc = asin(-p->climb / (p->amplitude * p->frequency));
-    const double phase = index * PI + (fmod(index, 2.0) == 0.0 ? arc : -arc);
-    return (phase - p->phase) / p->frequency;
-}
-
-/* Cuts [*low, *high] to where |origin + t direction| <= half. */
-static void clip(double origin, double direction, double half, double *low, double *high)
-{
-    if (direction == 0.0) {
-        if (fabs(origin) > half)
-            *high = -1.0;
-        return;
+    double end[3], back[3];
+    for (int axis = 0; axis < 3; axis++) {
+        end[axis] = ray->origin[axis] + ray->reach * ray->direction[axis];
+        back[axis] = -ray->direction[axis];
     }
-    const double a = (-half - origin) / direction, b = (half - origin) / direction;
-    const double near = a < b ? a : b, far = a < b ? b : a;
-    *low = near > *low ? near : *low;
-    *high = far < *high ? far : *high;
-}
-
-static double root_between(profile *p, double low, double high, double at_low, double at_high)
-{
-    p->sign = at_high > at_low ? 1.0 : -1.0;
-    const double guess = low + (high - low) * at_low / (at_low - at_high);
-    return pm__increasing_root(profile_rising, p, low, high, guess);
-}
-
-/* The first root of the height on [low, high]. Between turning points the height is monotone and has one root or none,
- * so none is missed. Within the slab between troughs and crests a ray crosses the wave or leaves the slab after a few
- * such pieces. The piece of a root at an end on the wave has no other: it is passed over. */
-static bool first_root(profile *p, const pm__ray *ray, double slack, double low, double high, double *root)
-{
-    const bool turns = fabs(p->climb) < fabs(p->amplitude) * p->frequency;
-    double index = turns ? floor((p->phase + p->frequency * low) / PI - 0.5) : 0.0;
-    while (turns && turning_point(p, index) <= low)
-        index += 1.0;
-    bool passed = !ray->leaves;
-    double start = low, at_start = passed ? profile_height(p, low) : 0.0;
-    while (start < high) {
-        const double end = turns ? fmin(turning_point(p, index), high) : high;
-        if (end >= high && (ray->arrives || !passed))
-            return false;
-        const double at_end = profile_height(p, end);
-        if (passed && (at_start < 0.0) != (at_end < 0.0)) {
-            *root = root_between(p, start, end, at_start, at_end);
-            if (*root > (ray->leaves ? slack : 0.0))
-                return true;
-        }
-        passed = true;
-        start = end;
-        at_start = at_end;
-        index += 1.0;
-    }
-    return false;
+    if (march(shape, ray->origin, ray->direction, 0.5 * ray->reach, ray->leaves, distance))
+        return true;
+    const bool met = march(shape, end, back, 0.5 * ray->reach, true, distance);
+    *distance = ray->reach - *distance;
+    return met;
 }
 
 static bool meet_wave(const pm__shape *shape, const pm__ray *ray, double *distance)
 {
-    const double *const o = ray->origin, *const d = ray->direction, slack = shape->slack;
-    double low = 0.0, high = ray->reach;
-    clip(o[0], d[0], shape->extent[0] + slack, &low, &high);
-    clip(o[1], d[1], shape->extent[1] + slack, &low, &high);
-    /* The slab a little higher than the wave: the height has its right sign where the ray enters. */
-    clip(o[2] - shape->centre[2], d[2], fabs(shape->amplitude) * (1.0 + 1e-9) + 64.0 * slack, &low, &high);
-    if (ray->leaves)
-        low = 0.0;
     if (ray->arrives)
-        high = ray->reach;
-    if (!(low < high))
-        return false;
-    profile p = profile_of(shape, ray);
-    return first_root(&p, ray, slack, low, high, distance);
+        return is_between(shape, ray, distance);
+    return march(shape, ray->origin, ray->direction, ray->reach, ray->leaves, distance);
 }
 
 /* ---- All --------------------------------------------------------------------------------------- */
@@ -254,12 +176,7 @@ void pm__shape_settle(const pm__shape *shape, double position[3], double normal[
     if (shape->kind == PM__SHAPE_SPHERE || shape->kind == PM__SHAPE_CYLINDER) {
         settle_round(shape, position, normal);
     } else if (shape->kind == PM__SHAPE_WAVE) {
-        const double phase = shape->wavenumber * position[0];
-        position[2] = shape->centre[2] + shape->amplitude * cos(phase);
-        normal[0] = shape->amplitude * shape->wavenumber * sin(phase);
-        normal[1] = 0.0;
-        normal[2] = 1.0;
-        (void)pm__normalize(normal);
+        pm__wave_settle(shape, position, normal);
     } else {
         double off = 0.0;
         for (int axis = 0; axis < 3; axis++)
