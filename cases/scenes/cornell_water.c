@@ -1,7 +1,7 @@
 /* The Cornell box with water in it. The water's surface is a mesh of 20000 triangles, waves along two directions; its
  * rim lies in the walls' very planes, so that light comes in by the surface alone. In front, where the box is open, the
- * water ends in an upright face of the same mesh: the same vertices, so no gap between them. Elsewhere the walls bound
- * it: they are met from within the water, without a boundary. */
+ * water ends in an upright face: corners of the same coordinates, so no gap between them. Elsewhere the walls bound it:
+ * they are met from within the water, without a boundary. */
 #include "room.h"
 
 #include "../../src/scene/revolve.h"
@@ -28,19 +28,10 @@ static double surface(const double *values, double x, double y)
                                             cos(2.0 * pi * (-1.3 * x + 2.9 * y) + 1.3));
 }
 
-static void set_vertices(const double *values, pm__mesh *mesh)
+static void set_vertex(pm__mesh *mesh, size_t vertex, double x, double y, double z)
 {
-    for (size_t j = 0; j < SIDE; j++)
-        for (size_t i = 0; i < SIDE; i++) {
-            const double x = ((double)i / CELLS - 0.5) * 2.0 * PM__CORNELL_HALF;
-            const double y = ((double)j / CELLS - 0.5) * 2.0 * PM__CORNELL_HALF;
-            const float at[3] = {(float)x, (float)y, (float)surface(values, x, y)};
-            memcpy(mesh->vertices[j * SIDE + i], at, sizeof at);
-            if (j == 0) { /* and below it on the floor, for the face in front */
-                const float foot[3] = {(float)x, (float)y, 0.0f};
-                memcpy(mesh->vertices[SIDE * SIDE + i], foot, sizeof foot);
-            }
-        }
+    const float at[3] = {(float)x, (float)y, (float)z};
+    memcpy(mesh->vertices[vertex], at, sizeof at);
 }
 
 /* a, b, c, d counterclockwise from the side that the normal points to. */
@@ -51,18 +42,48 @@ static void add_cell(pm__mesh *mesh, size_t *next, size_t a, size_t b, size_t c,
     *next += 2;
 }
 
-static void set_triangles(pm__mesh *mesh)
+/* Across the box, from -PM__CORNELL_HALF to PM__CORNELL_HALF. */
+static double across(size_t i)
+{
+    return ((double)i / CELLS - 0.5) * 2.0 * PM__CORNELL_HALF;
+}
+
+static void set_surface(const double *values, pm__mesh *mesh)
 {
     size_t next = 0;
+    for (size_t j = 0; j < SIDE; j++)
+        for (size_t i = 0; i < SIDE; i++)
+            set_vertex(mesh, j * SIDE + i, across(i), across(j), surface(values, across(i), across(j)));
     for (size_t j = 0; j < CELLS; j++)
         for (size_t i = 0; i < CELLS; i++) {
             const size_t at = j * SIDE + i;
             add_cell(mesh, &next, at, at + 1, at + SIDE + 1, at + SIDE);
         }
-    for (size_t i = 0; i < CELLS; i++) {
-        const size_t foot = SIDE * SIDE + i;
-        add_cell(mesh, &next, foot, foot + 1, i + 1, i);
+}
+
+static void set_face(const double *values, pm__mesh *mesh)
+{
+    size_t next = 0;
+    for (size_t i = 0; i < SIDE; i++) {
+        set_vertex(mesh, i, across(i), across(0), surface(values, across(i), across(0)));
+        set_vertex(mesh, SIDE + i, across(i), across(0), 0.0);
     }
+    for (size_t i = 0; i < CELLS; i++)
+        add_cell(mesh, &next, SIDE + i, SIDE + i + 1, i + 1, i);
+}
+
+static pm_status add_mesh(const double *values, void (*set)(const double *values, pm__mesh *mesh), size_t vertices,
+                          size_t triangles, uint32_t material, pm__scene *scene, pm_error *error)
+{
+    pm__mesh mesh;
+    pm_status status = pm__mesh_create(vertices, triangles, &mesh, error);
+    if (status)
+        return status;
+    set(values, &mesh);
+    status = pm__scene_mesh(scene, material, (const float(*)[3])mesh.vertices, mesh.vertex_count,
+                            (const uint32_t(*)[3])mesh.triangles, mesh.triangle_count, error);
+    pm__mesh_free(&mesh);
+    return status;
 }
 
 static pm_status add_water(const double *values, pm__scene *scene, pm_error *error)
@@ -70,18 +91,10 @@ static pm_status add_water(const double *values, pm__scene *scene, pm_error *err
     const double a = values[ABSORPTION];
     const pm__material water = {.kind = PM__GLASS, .ior = {ior, ior, ior}, .absorption = {4.0 * a, 2.0 * a, a}};
     uint32_t material;
-    pm__mesh mesh;
     pm_status status = pm__scene_material(scene, &water, &material, error);
     if (!status)
-        status = pm__mesh_create(SIDE * SIDE + SIDE, 2 * CELLS * CELLS + 2 * CELLS, &mesh, error);
-    if (status)
-        return status;
-    set_vertices(values, &mesh);
-    set_triangles(&mesh);
-    status = pm__scene_mesh(scene, material, (const float(*)[3])mesh.vertices, mesh.vertex_count,
-                            (const uint32_t(*)[3])mesh.triangles, mesh.triangle_count, error);
-    pm__mesh_free(&mesh);
-    return status;
+        status = add_mesh(values, set_surface, SIDE * SIDE, 2 * CELLS * CELLS, material, scene, error);
+    return status ? status : add_mesh(values, set_face, 2 * SIDE, 2 * CELLS, material, scene, error);
 }
 
 static pm_status build(const double *values, pm__scene *scene, pm_error *error)

@@ -48,12 +48,12 @@ static inline double pm__normalize_near(double v[3])
     return length;
 }
 
-/* The same for vectors that never are: no branch. */
+/* The same for vectors that never are: no branch, and one division. */
 static inline void pm__normalize_known(double v[3])
 {
-    const double length = sqrt(pm__dot(v, v));
+    const double factor = 1.0 / sqrt(pm__dot(v, v));
     for (int i = 0; i < 3; i++)
-        v[i] /= length;
+        v[i] *= factor;
 }
 
 /* Two unit vectors that complete the unit vector n to a right-handed orthonormal basis (s, t, n).

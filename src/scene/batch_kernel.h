@@ -155,7 +155,8 @@ typedef struct marches {
     uint64_t goes_on[PM__MARCHING], is_root[PM__MARCHING];
 } marches;
 
-INLINE uint64_t begin_march(const pm__batch *b, size_t i, const pm__shape *shape, int64_t number, size_t j, marches *all)
+INLINE uint64_t begin_march(const pm__batch *b, size_t i, const pm__shape *shape, int64_t number, size_t j,
+                            marches *all)
 {
     const double o[3] = {b->origin[0][i], b->origin[1][i], b->origin[2][i]};
     const double d[3] = {b->direction[0][i], b->direction[1][i], b->direction[2][i]};
@@ -225,31 +226,45 @@ typedef struct box {
     double low[3], high[3];
 } box;
 
-/* The distances at which the ray is within. */
-INLINE void cross_box(const pm__batch *b, size_t i, const box *around, double *enter, double *leave)
+/* The distances at which the ray is within. rate: one over its direction. */
+INLINE void cross_box(const pm__batch *b, size_t i, const double rate[3], const box *around, double *enter,
+                      double *leave)
 {
     *enter = 0.0;
     *leave = b->distance[i];
     for (int axis = 0; axis < 3; axis++) {
-        const double low = around->low[axis], high = around->high[axis];
-        const double at = b->origin[axis][i], rate = 1.0 / b->direction[axis][i];
-        const double near = ((rate < 0.0 ? high : low) - at) * rate, far = ((rate < 0.0 ? low : high) - at) * rate;
+        const double low = around->low[axis], high = around->high[axis], at = b->origin[axis][i], by = rate[axis];
+        const double near = ((by < 0.0 ? high : low) - at) * by, far = ((by < 0.0 ? low : high) - at) * by;
         *enter = near > *enter ? near : *enter;
         *leave = far < *leave ? far : *leave;
     }
 }
 
-INLINE void cut_at(pm__batch *b, size_t i, const box *held, const box *padded, const box *all)
+/* Within the box of all shapes, padded or not. */
+INLINE void cut_at(pm__batch *b, size_t i, const box *padded, const box *all)
 {
-    double enter, leave, first, last;
+    double enter, leave, rate[3];
     bool is_within = true;
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; axis++) {
         is_within = is_within & (b->origin[axis][i] >= all->low[axis]) & (b->origin[axis][i] <= all->high[axis]);
-    cross_box(b, i, padded, &enter, &leave);
-    cross_box(b, i, held, &first, &last);
-    b->asks[i] = (is_within | (enter <= leave)) & (first <= last) & (b->distance[i] > 0.0);
+        b->rate[axis][i] = rate[axis] = 1.0 / b->direction[axis][i];
+    }
+    cross_box(b, i, rate, padded, &enter, &leave);
+    b->may[i] = (is_within | (enter <= leave)) & (b->distance[i] > 0.0);
+    b->asks[i] = 0;
     b->enter[i] = is_within ? 0.0 : enter;
     b->leave[i] = is_within ? b->distance[i] : leave;
+}
+
+/* may_meet of rays.c. */
+INLINE void ask_at(pm__batch *b, size_t i, const box *around, const double *along, const pm__held *held)
+{
+    double enter, leave;
+    const double rate[3] = {b->rate[0][i], b->rate[1][i], b->rate[2][i]};
+    cross_box(b, i, rate, around, &enter, &leave);
+    const bool is_on = (b->from[i] >= held->first) & (b->from[i] < held->end);
+    const bool is_off = is_on & (fabs(along[i]) > held->steep);
+    b->asks[i] |= b->may[i] & (enter <= leave) & !is_off;
 }
 
 static box padded_box(const double low[3], const double high[3], double padding)
@@ -262,11 +277,18 @@ static void cut(pm__batch *b, const pm__scene *scene)
 {
     const size_t count = whole(b);
     const double padding = PM__PADDING * scene->extent;
-    const box held = padded_box(scene->held_low, scene->held_high, padding);
     const box padded = padded_box(scene->low, scene->high, padding), all = padded_box(scene->low, scene->high, 0.0);
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
-        cut_at(b, i, &held, &padded, &all);
+        cut_at(b, i, &padded, &all);
+    for (size_t k = 0; k < scene->held_count; k++) {
+        const pm__held held = scene->held[k];
+        const box around = padded_box(held.low, held.high, padding);
+        const double *const along = b->direction[held.axis];
+#pragma omp simd
+        for (size_t i = 0; i < count; i++)
+            ask_at(b, i, &around, along, &held);
+    }
 }
 
 /* Of round shapes, whose plane is none, the position is left to be moved onto the shape. */

@@ -98,7 +98,7 @@ static void mirrored(const double normal[3], const double incoming[3], double ou
     const double twice = 2.0 * pm__dot(normal, incoming);
     for (int i = 0; i < 3; i++)
         outgoing[i] = incoming[i] - twice * normal[i];
-    pm__normalize_near(outgoing);
+    pm__normalize_known(outgoing); /* unit but for rounding */
 }
 
 static void scale(double power[3], const double albedo[3], double factor)
@@ -201,7 +201,7 @@ static pm__event scatter_glass(const pm__material *material, bool front, const d
     }
     for (int i = 0; i < 3; i++)
         outgoing[i] = incoming[i] / eta + (cosine / eta - far) * facing[i];
-    pm__normalize_near(outgoing);
+    pm__normalize_known(outgoing); /* unit but for rounding */
     return PM__TRANSMITTED;
 }
 

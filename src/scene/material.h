@@ -74,7 +74,7 @@ void pm__material_brdf(const pm__material *material, const double normal[3], con
 /* Of a glossy material: its roughness, kept off 0. */
 static inline double pm__alpha(const pm__material *material)
 {
-    return fmax(material->roughness, 1e-6);
+    return material->roughness > 1e-6 ? material->roughness : 1e-6;
 }
 
 /* Is light stored here: can it leave in other directions than the mirrored ones? */

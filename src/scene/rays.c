@@ -40,13 +40,24 @@ static bool is_within(const pm__scene *scene, const double position[3])
     return true;
 }
 
-/* Does it enter the box of what Embree holds? *enter, *leave: the box of all shapes, so that what Embree answers does
- * not depend on which of them it holds. */
+/* Can the ray meet it, by its box, and by how steeply it leaves or comes? */
+static bool may_meet(const pm__query *q, const pm__held *held)
+{
+    double enter, leave;
+    const bool is_on = (q->from >= held->first && q->from < held->end) || (q->to >= held->first && q->to < held->end);
+    return !(is_on && fabs(q->ray.direction[held->axis]) > held->steep) &&
+           enter_box(q, held->low, held->high, &enter, &leave);
+}
+
+/* Can Embree know of a hit? *enter, *leave: the box of all shapes, so that what Embree answers does not depend on which
+ * of them it holds. */
 static bool is_embrees(const pm__query *q, double *enter, double *leave)
 {
     const pm__scene *const scene = q->scene;
-    if (scene->kept_count == scene->geometry_count ||
-        (scene->kept_count > 0 && !enter_box(q, scene->held_low, scene->held_high, enter, leave)))
+    bool may = false;
+    for (size_t i = 0; i < scene->held_count; i++)
+        may = may || may_meet(q, &scene->held[i]);
+    if (!may)
         return false;
     if (!is_within(scene, q->ray.origin))
         return enter_box(q, scene->low, scene->high, enter, leave);

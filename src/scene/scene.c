@@ -1,4 +1,5 @@
 #include "../base/memory.h"
+#include "../base/vec3.h"
 #include "rays.h"
 
 #include <float.h>
@@ -33,8 +34,7 @@ static void ignore_error(void *context, enum RTCError code, const char *text)
     (void)text;
 }
 
-/* What went wrong in Embree since it was last asked, if anything. */
-static pm_status embree_status(const pm__scene *scene, pm_error *error)
+pm_status pm__scene_embree_status(const pm__scene *scene, pm_error *error)
 {
     const enum RTCError code = rtcGetDeviceError(scene->device);
     if (code == RTC_ERROR_NONE)
@@ -77,7 +77,7 @@ pm_status pm__scene_create(pm__scene **scene, pm_error *error)
     return status;
 }
 
-static void destroy_geometry(pm__geometry *geometry)
+void pm__geometry_destroy(pm__geometry *geometry)
 {
     free(geometry->planes);
     free(geometry);
@@ -95,7 +95,7 @@ void pm__scene_destroy(pm__scene *scene)
     if (scene->device)
         rtcReleaseDevice(scene->device);
     for (size_t i = 0; i < scene->geometry_count; i++)
-        destroy_geometry(scene->geometries[i]);
+        pm__geometry_destroy(scene->geometries[i]);
     free(scene->geometries);
     free(scene->flats);
     free(scene->few);
@@ -173,6 +173,21 @@ void pm__scene_power(const pm__scene *scene, double power[3])
     }
 }
 
+static bool absorbs(const pm__material *material)
+{
+    return material->kind == PM__GLASS && pm__sum(material->absorption) > 0.0;
+}
+
+bool pm__scene_absorbs(const pm__scene *scene)
+{
+    bool any = false;
+    for (size_t i = 0; i < scene->material_count; i++)
+        any = any || absorbs(&scene->materials[i]);
+    for (size_t i = 0; i < scene->part_count; i++)
+        any = any || pm__scene_absorbs(scene->parts[i]);
+    return any;
+}
+
 /* ---- Geometries -------------------------------------------------------------------------------- */
 
 pm_status pm__geometry_create(pm__scene *scene, size_t count, pm__geometry **made, pm_error *error)
@@ -214,78 +229,6 @@ pm_status pm__geometry_of(pm__scene *scene, uint32_t material, size_t count, pm_
     if (status == PM_OK)
         (*made)->material = material;
     return status;
-}
-
-/* Fills in the triangles' planes. */
-static pm_status check_mesh(uint32_t first, const float (*vertices)[3], size_t vertex_count,
-                            const uint32_t (*triangles)[3], size_t triangle_count, pm__plane *planes, pm_error *error)
-{
-    for (size_t i = 0; i < vertex_count; i++)
-        for (int axis = 0; axis < 3; axis++)
-            if (!(fabs((double)vertices[i][axis]) <= PM__LARGEST_LENGTH))
-                return pm__fail(error, PM_EINVAL,
-                                "shape %u (mesh): vertex %zu (%g, %g, %g) is not finite or beyond %g m", first, i,
-                                (double)vertices[i][0], (double)vertices[i][1], (double)vertices[i][2],
-                                PM__LARGEST_LENGTH);
-    for (size_t i = 0; i < triangle_count; i++) {
-        const uint32_t *const t = triangles[i];
-        if (t[0] >= vertex_count || t[1] >= vertex_count || t[2] >= vertex_count)
-            return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) names a vertex beyond %zu",
-                            first, i, t[0], t[1], t[2], vertex_count);
-        if (!pm__triangle_plane(vertices, t, &planes[i]))
-            return pm__fail(error, PM_EINVAL, "shape %u (mesh): triangle %zu (%u, %u, %u) spans no area", first, i,
-                            t[0], t[1], t[2]);
-    }
-    return PM_OK;
-}
-
-static void box_of(pm__geometry *made, const float (*vertices)[3], size_t count)
-{
-    pm__box_empty(made->low, made->high);
-    for (size_t i = 0; i < count; i++) {
-        const double corner[3] = {(double)vertices[i][0], (double)vertices[i][1], (double)vertices[i][2]};
-        pm__box_enclose(made->low, made->high, corner);
-    }
-}
-
-pm_status pm__scene_mesh(pm__scene *scene, uint32_t material, const float (*vertices)[3], size_t vertex_count,
-                         const uint32_t (*triangles)[3], size_t triangle_count, pm_error *error)
-{
-    const uint32_t first = scene->shape_count;
-    if (vertex_count == 0 || triangle_count == 0)
-        return pm__fail(error, PM_EINVAL, "shape %u (mesh): %zu vertices and %zu triangles", first, vertex_count,
-                        triangle_count);
-    pm__geometry *made = NULL;
-    pm_status status = pm__geometry_of(scene, material, triangle_count, &made, error);
-    if (status != PM_OK)
-        return status;
-    made->planes = pm__alloc(triangle_count, sizeof *made->planes);
-    status = made->planes ? check_mesh(first, vertices, vertex_count, triangles, triangle_count, made->planes, error)
-                          : no_memory(error);
-    if (status != PM_OK) {
-        destroy_geometry(made);
-        return status;
-    }
-    const RTCGeometry embree = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float(*const v)[3] = rtcSetNewGeometryBuffer(embree, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof *v,
-                                                 vertex_count);
-    uint32_t(*const t)[3] = rtcSetNewGeometryBuffer(embree, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof *t,
-                                                    triangle_count);
-    if (!v || !t) {
-        rtcReleaseGeometry(embree);
-        destroy_geometry(made);
-        status = embree_status(scene, error);
-        return status == PM_OK ? no_memory(error) : status;
-    }
-    memcpy(v, vertices, vertex_count * sizeof *v);
-    memcpy(t, triangles, triangle_count * sizeof *t);
-    made->vertices = (const float(*)[3])v;
-    made->triangles = (const uint32_t(*)[3])t;
-    made->vertex_count = vertex_count;
-    pm__rays_triangles(embree);
-    box_of(made, vertices, vertex_count);
-    pm__geometry_attach(scene, made, embree);
-    return PM_OK;
 }
 
 /* ---- Committing -------------------------------------------------------------------------------- */
@@ -359,18 +302,56 @@ static pm_status keep_few(pm__scene *scene, pm_error *error)
     return PM_OK;
 }
 
-static void box_held(pm__scene *scene)
+static bool is_kept(const pm__scene *scene, const pm__geometry *geometry)
 {
-    pm__box_empty(scene->held_low, scene->held_high);
+    for (size_t place = 0; place < scene->kept_count; place++)
+        if (scene->few->kept[place] == geometry)
+            return true;
+    return false;
+}
+
+static void hold(const pm__geometry *geometry, pm__held *held)
+{
+    pm__box_enclose(held->low, held->high, geometry->low);
+    pm__box_enclose(held->low, held->high, geometry->high);
+    held->first = geometry->first < held->first ? geometry->first : held->first;
+    held->end = (int64_t)geometry->first + geometry->count;
+}
+
+static pm__held *begin_held(pm__scene *scene)
+{
+    pm__held *const held = &scene->held[scene->held_count++];
+    *held = (pm__held){.first = INT64_MAX, .steep = 2.0};
+    pm__box_empty(held->low, held->high);
+    return held;
+}
+
+/* While there is room for the others behind it. */
+static bool hold_sheet(pm__scene *scene, const pm__geometry *geometry)
+{
+    for (int axis = 0; axis < 3 && geometry->planes && scene->held_count + 1 < PM__MOST_HELD; axis++) {
+        const double steep = pm__sheet_steepness(geometry, axis);
+        if (steep > 1.0)
+            continue;
+        pm__held *const sheet = begin_held(scene);
+        hold(geometry, sheet);
+        sheet->axis = axis;
+        sheet->steep = steep;
+        return true;
+    }
+    return false;
+}
+
+static void list_held(pm__scene *scene)
+{
+    pm__held *others = NULL;
     for (size_t i = 0; i < scene->geometry_count; i++) {
         const pm__geometry *const geometry = scene->geometries[i];
-        bool is_kept = false;
-        for (size_t place = 0; place < scene->kept_count; place++)
-            is_kept = is_kept || scene->few->kept[place] == geometry;
-        if (is_kept)
+        if (is_kept(scene, geometry) || hold_sheet(scene, geometry))
             continue;
-        pm__box_enclose(scene->held_low, scene->held_high, geometry->low);
-        pm__box_enclose(scene->held_low, scene->held_high, geometry->high);
+        if (!others)
+            others = begin_held(scene);
+        hold(geometry, others);
     }
 }
 
@@ -378,14 +359,14 @@ static pm_status build(pm__scene *scene, double rounding, pm_error *error)
 {
     if (keep_few(scene, error) != PM_OK)
         return PM_ENOMEM;
-    box_held(scene);
+    list_held(scene);
     for (int axis = 0; axis < 3; axis++)
         scene->extent = fmax(scene->extent, fmax(fabs(scene->low[axis]), fabs(scene->high[axis])));
     /* A part so small, or so far off, that double is coarser there than float would be in its own terms. */
     scene->extent = fmax(scene->extent, 0x1p-28 * rounding);
     scene->rounding = fmax(rounding, scene->extent);
     rtcCommitScene(scene->rays);
-    return embree_status(scene, error);
+    return pm__scene_embree_status(scene, error);
 }
 
 pm_status pm__scene_commit(pm__scene *scene, pm_error *error)

@@ -40,7 +40,7 @@ pm_status pm__scene_rectangle(pm__scene *scene, uint32_t material, const double 
 pm_status pm__scene_disc(pm__scene *scene, uint32_t material, const double centre[3], const double normal[3],
                          double radius, pm_error *error);
 /* Water with a sinusoidal surface z = height + amplitude cos(wavenumber x), |x| <= extent[0], |y| <= extent[1], normal
- * upward. amplitude * wavenumber < 1. */
+ * upward. amplitude * wavenumber < 1, wavenumber * extent[0] <= 1e6. */
 pm_status pm__scene_wave(pm__scene *scene, uint32_t material, double height, double amplitude, double wavenumber,
                          const double extent[2], pm_error *error);
 
@@ -56,6 +56,9 @@ pm_status pm__scene_place(pm__scene *scene, pm__scene *part, const pm__placement
 
 /* No shape or light can be added afterwards. EINVAL: no shape, no light. */
 pm_status pm__scene_commit(pm__scene *scene, pm_error *error);
+
+/* Does any of its materials absorb within, those of parts included? */
+bool pm__scene_absorbs(const pm__scene *scene);
 
 size_t pm__scene_light_count(const pm__scene *scene);
 const pm__light *pm__scene_light_at(const pm__scene *scene, size_t index);

@@ -105,6 +105,10 @@ static pm_status prepare_wave(const pm__shape *shape, uint32_t number, pm_error 
     for (int i = 0; i < 2; i++)
         if (!(shape->extent[i] > 0.0 && fits(shape->extent[i])))
             return refuse(shape, number, error, "its extent is not above 0 and finite", shape->extent[i]);
+    /* A ray along it may pass each crest by itself. */
+    const double phase = shape->wavenumber * shape->extent[0];
+    if (!(phase <= 1e6))
+        return refuse(shape, number, error, "wavenumber times extent is above a million", phase);
     return PM_OK;
 }
 

@@ -32,7 +32,7 @@ typedef struct pm__march {
     uint64_t is_root;
 } pm__march;
 
-/* Cuts [*enter, *leave] to where |at + t direction| <= half. On that edge and parallel to it, 0 * inf compares false. */
+/* Cuts [*enter, *leave] to where |at + t direction| <= half. On that edge and along it, 0 * inf compares false. */
 PM__INLINE void pm__wave_clip(double at, double direction, double half, double *enter, double *leave)
 {
     const double rate = 1.0 / direction, edge = rate < 0.0 ? half : -half;

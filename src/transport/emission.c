@@ -175,12 +175,30 @@ bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *de
     return true;
 }
 
+/* choose_light for all: each light in turn takes those that come to it. */
+static void choose_lights(const pm__emission *emission, pm__batch *photons)
+{
+    double before = 0.0;
+    for (size_t i = 0; i < photons->count; i++)
+        photons->place[i] = 0;
+    for (size_t light = 0; light < pm__scene_light_count(emission->scene); light++) {
+        const double power = sent(emission, light);
+        for (size_t i = 0; i < photons->count && power > 0.0; i++)
+            photons->place[i] = photons->v[1][i] * emission->total < before ? photons->place[i] : (int64_t)light;
+        before += power;
+    }
+}
+
 /* Their lights, as their places; u and v[0] as pm__emit has them. */
 static void prepare_all(const pm__emission *emission, const pm__batch_kernel *kernel, pm__batch *photons)
 {
     if (!emission->points) {
         kernel->draw(photons, emission->seed, emission->trial, 0, photons->u);
         kernel->draw(photons, emission->seed, emission->trial, 1, photons->v);
+    }
+    if (!emission->points && !emission->projection) {
+        choose_lights(emission, photons);
+        return;
     }
     for (size_t i = 0; i < photons->count; i++) {
         double u[6];

@@ -26,6 +26,7 @@ typedef struct job {
     pm__store store;
     pm__watch watch; /* NULL: nobody does; else waves are of one photon */
     void *context;
+    bool absorbs; /* some medium */
 } job;
 
 /* Photons that take their steps together. None depends on the others; what is stored waits until all have ended, since
@@ -154,7 +155,8 @@ static void arrive(const job *work, wave *w, size_t i)
     const pm__material *const material = b->material[i];
     const bool rough = pm__is_rough(material);
     double normal[3], direction[3];
-    absorb(w, i);
+    if (work->absorbs)
+        absorb(w, i);
     note(work, w, i, rough ? 'D' : 'S');
     get(b->normal, i, normal);
     get(b->direction, i, direction);
@@ -228,7 +230,7 @@ static void leave(const job *work, wave *w)
 {
     pm__batch *const b = &w->rays;
     scatter(work, w);
-    for (size_t j = 0; j < w->coming_count && w->kinds[PM__GLASS] > 0; j++)
+    for (size_t j = 0; j < w->coming_count && work->absorbs && w->kinds[PM__GLASS] > 0; j++)
         pass(w, w->coming[j]);
     size_t count = 0;
     for (size_t j = 0; j < w->coming_count; j++) {
@@ -301,7 +303,8 @@ uint64_t pm__trace_watched(const pm__trace_config *config, uint64_t first, uint6
                       .kernel = pm__batch_choose(),
                       .store = store,
                       .watch = watch_ray,
-                      .context = context};
+                      .context = context,
+                      .absorbs = pm__scene_absorbs(config->scene)};
     wave w;
     size_t size = watch_ray ? 1 : PM__BATCH;
     uint64_t done = 0;
