@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PROBES = 2048 };
+enum { PROBES = 2048, MOST_CASES = 64 };
 static const double default_seconds = 20.0;
 
 /* ---- Options ----------------------------------------------------------------------------------- */
@@ -91,16 +91,39 @@ static bool is_canceled(void *context)
     return pm__interrupted();
 }
 
+/* A name that is neither a case's nor a scene's, "scene:" left out or not. */
+static pm_status refuse_name(const char *name, pm_error *error)
+{
+    const char *names[2 * MOST_CASES];
+    size_t count = 0;
+    for (size_t i = 0; i < pm__all_cases.count && i < MOST_CASES; i++) {
+        names[count++] = pm__all_cases.entries[i]->name;
+        if (strncmp(names[count - 1], "scene:", 6) == 0) {
+            names[count] = names[count - 1] + 6;
+            count++;
+        }
+    }
+    const char *const nearest = pm__nearest_name(name, names, count);
+    if (nearest)
+        return pm__fail(error, PM_EINVAL, "unknown case or scene '%.80s'; did you mean '%s'?", name, nearest);
+    return pm__fail(error, PM_EINVAL, "unknown case or scene '%.80s': 'photonbench list cases' and 'photonbench list "
+                                      "scenes' show them", name);
+}
+
 /* A case by its name; of a scene "scene:" may be left out where no case has that name. */
 static pm_status take_subject(pm__settings *s, pm_error *error)
 {
     char full[PM__MAX_SPEC + 8], name[PM__MAX_SPEC];
     if (!s->operand_count)
-        return pm__fail(error, PM_EINVAL, "a case or a scene is needed: 'photonbench list cases,scenes' shows them");
+        return pm__fail(error, PM_EINVAL, "a case or a scene is needed: 'photonbench list cases' and 'photonbench list "
+                                          "scenes' show them");
     const char *const text = s->operands[0];
     (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(text, ":"), text);
     (void)snprintf(full, sizeof full, "scene:%s", name);
     const bool scene = !pm__find(&pm__all_cases, name) && pm__find(&pm__all_cases, full);
+    if (*name && !scene && !strchr(name, ',') && strcmp(name, "all") != 0 && !pm__find(&pm__all_cases, name) &&
+        strcmp(name, "scene") != 0)
+        return refuse_name(name, error);
     (void)snprintf(full, sizeof full, "%s%.380s", scene ? "scene:" : "", text);
     const pm_status status = pm__parse_specs(&pm__all_cases, full, &s->cases, error);
     if (status == PM_OK && s->cases.count != 1)

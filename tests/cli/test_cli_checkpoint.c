@@ -362,7 +362,17 @@ START_TEST(usage_and_bad_paths)
     (void)pm__expect("converge plate --size 1024x1024 --trials 1000 --checkpoint /nonexistent/a", 4,
                      "/nonexistent/a: cannot be opened");
     (void)pm__expect("converge plate --resume /dev/zero", 3, "no regular file");
-    (void)pm__expect(SMALL "--checkpoint /dev/full", 4, "/dev/full: cannot be written");
+    (void)pm__expect("converge plate --size 1024x1024 --trials 1000 --checkpoint /dev/full", 4,
+                     "/dev/full: cannot be written: a checkpoint is a regular file");
+    /* A pipe, which opening would wait at; what is there stays as it was. */
+    ck_assert_int_eq(mkfifo(state, 0600), 0);
+    (void)pm__expect(with_state(SMALL "--checkpoint @"), 4, "state: cannot be written: a checkpoint is a regular file");
+    ck_assert_int_eq(unlink(state), 0);
+    pm__test_write(state, "kept", 4);
+    (void)pm__expect(with_state(SMALL "--checkpoint @ --csv /nonexistent/a.csv"), 4, "/nonexistent/a.csv");
+    char kept[8];
+    ck_assert_int_eq(pm__test_read(state, kept, sizeof kept), 4);
+    ck_assert_int_eq(unlink(state), 0);
     ck_assert_int_eq(pm__test_directory_entries(&place, 0), 0);
     tear_down();
 }
