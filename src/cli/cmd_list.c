@@ -108,7 +108,8 @@ static void print_answer(FILE *file, const pm__case *scene)
 {
     char text[200], size[SIZE];
     if (scene->truth)
-        (void)snprintf(text, sizeof text, "exact answer: of light paths %s: for accuracy, converge and advise", scene->paths);
+        (void)snprintf(text, sizeof text, "exact answer: of light paths %s: for accuracy, converge and advise",
+                       scene->paths);
     else if (has_reference(&scene->entry, size))
         (void)snprintf(text, sizeof text, "no exact answer: for render, not for accuracy; its defaults have a stored "
                        "reference of %s: for converge and advise too", size);

@@ -267,7 +267,7 @@ static const struct {
     {"plate water --radius 0.5", "--radius was null and is 0.5 now"},
     {"plate water --seconds 50", "--seconds was null and is 50"},
     {"plate water --at 1,1", "--at was [] and is [[1,1]] now"},
-    {"plate water --alpha 0.5", "--alpha was [0.667"},
+    {"plate water --alpha 0.5", "--alpha was [0.667] and is [0.5] now"},
     {"plate water --method pppm", "--method was [\"ppm:flux=corrected,start=zero\"] and is [\"pppm\"] now"},
     {"plate water --estimator cone", "--estimator was [\"disc:last=full\"] and is "},
     {"plate water --sampler sobol", "--sampler was [\"poisson\"] and is [\"sobol\"] now"},

@@ -268,7 +268,8 @@ START_TEST(what_cannot_be_measured)
     (void)pm__expect("converge plate " TINY "--method ppm:flux=printed --error 3%", 2,
                      "ppm:flux=printed cannot estimate its own error: that takes a mean of passes in which noise");
     (void)pm__expect("converge wall " TINY, 2, "is black where its truth is known: there is no relative error");
-    (void)pm__expect("converge cornell:albedo=0.5 " TINY, 2, "the stored reference of scene:cornell is of its defaults");
+    (void)pm__expect("converge cornell:albedo=0.5 " TINY, 2,
+                     "the stored reference of scene:cornell is of its defaults");
     ck_assert_str_eq(pm__expect("converge corner wall " TINY "--estimator hull,combined", 2, "hull")->out, "");
 }
 END_TEST
@@ -362,7 +363,8 @@ END_TEST
 /* No limit on photons ends what emits none: what does must be asked for. */
 START_TEST(photons_end_what_emits_them)
 {
-    json_t *const root = pm__expect_json("converge furnace " TINY "--passes 5 --photons 4000 --method path,light --json -");
+    json_t *const root = pm__expect_json("converge furnace " TINY
+                                         "--passes 5 --photons 4000 --method path,light --json -");
     ck_assert_uint_eq(count_of(root, "rows"), 4 + 2);
     ck_assert(is_null(at(root, "rows", 3), "photons"));
     ck_assert_double_eq(number_of(at(root, "rows", 3), "pass"), 5.0);
