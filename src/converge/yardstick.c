@@ -168,7 +168,8 @@ static pm_status take_reference(const pm__progression *p, pm__yardstick *y, pm_e
         return pm__fail(error, PM_EINVAL, "%.100s has neither an exact answer nor a stored reference", asked);
     if (p->config->view || !has_reference(p->config->scene))
         return pm__fail(error, PM_EINVAL, "%.60s has no exact answer, and the stored reference of scene:%.30s is of "
-                                          "its defaults%s alone", asked, name, p->config->view ? " and its own view" : "");
+                                          "its defaults%s alone",
+                        asked, name, p->config->view ? " and own view" : "");
     pm_status status = pm__reference_load(name, &reference, error);
     if (status == PM_OK)
         status = take_blocks(p, &reference.radiance, y, error);
