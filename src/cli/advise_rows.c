@@ -12,10 +12,10 @@ enum { COMMAND = 1200 };
     X(case, text(from->subject))                                      \
     X(error, number(from->task->config->error))                       \
     X(method, text(from->method))                                     \
-    X(estimator, text(from->estimator))                               \
-    X(k, known ? pm__count_cell(row->k) : absent)                     \
+    X(estimator, text(row->estimator.entry ? from->estimator : NULL))  \
+    X(k, known && row->k ? pm__count_cell(row->k) : absent)           \
     X(radius, absent)                                                 \
-    X(photons, known ? pm__count_cell(row->photons) : absent)         \
+    X(photons, known && row->photons ? pm__count_cell(row->photons) : absent) \
     X(passes, row->passes ? pm__count_cell(row->passes) : absent)     \
     X(trials, known ? pm__count_cell(row->trials) : absent)           \
     X(predicted_rel_bias, number(row->predicted_rel_bias))            \
@@ -67,7 +67,8 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     const bool known = is_known(row);
     pm__spec_format(from->task->config->subject, from->subject, sizeof from->subject);
     pm__spec_format(&row->method, from->method, sizeof from->method);
-    pm__spec_format(&row->estimator, from->estimator, sizeof from->estimator);
+    if (row->estimator.entry)
+        pm__spec_format(&row->estimator, from->estimator, sizeof from->estimator);
     pm__advise_command(from->task, row, from->command, sizeof from->command);
     const pm__cell filled[FIELD_COUNT] = {
 #define X(name, value) value,
@@ -107,6 +108,7 @@ pm_status pm__advise_write(const pm__advise_task *task, pm__sinks *sinks, pm_err
                                  .settings = task->settings,
                                  .seeded = true,
                                  .wall_s = task->wall_s,
+                                 .interrupted = task->interrupted,
                                  .fields = fields,
                                  .field_count = FIELD_COUNT,
                                  .plain_count = FIELD_COUNT,
@@ -120,25 +122,40 @@ pm_status pm__advise_write(const pm__advise_task *task, pm__sinks *sinks, pm_err
 
 /* ---- The command ------------------------------------------------------------------------------- */
 
+static void write_passes(const pm__advise_task *task, const pm__advice *a, const char *method, const char *estimator,
+                         char *out, size_t size)
+{
+    const pm__progressive *const m = (const pm__progressive *)(const void *)a->method.entry;
+    char subject[PM__MAX_SPEC], lookups[PM__MAX_SPEC + 64] = "", shrinking[64] = "", photons[48] = "", alpha[32];
+    pm__spec_format_short(task->config->subject, subject, sizeof subject);
+    pm__format_double(pm__advise_alpha, alpha);
+    if (a->k)
+        (void)snprintf(lookups, sizeof lookups, " --estimator %s --k %zu", estimator, a->k);
+    if (m->shrinks)
+        (void)snprintf(shrinking, sizeof shrinking, " --alpha %s", alpha);
+    if (a->photons)
+        (void)snprintf(photons, sizeof photons, " --photons-per-pass %zu", a->photons);
+    (void)snprintf(out, size, "photonbench converge %s --method %s%s%s%s --passes %zu --size %zux%zu --trials %zu "
+                              "--seed %llu",
+                   subject + strlen("scene:"), method, lookups, shrinking, photons, (size_t)a->passes, a->width,
+                   a->height, a->trials, (unsigned long long)task->config->seed);
+}
+
 void pm__advise_command(const pm__advise_task *task, const pm__advice *a, char *out, size_t size)
 {
-    char subject[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], alpha[32];
-    const unsigned long long seed = task->config->seed;
+    char subject[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC] = "";
     pm__spec_format_short(task->config->subject, subject, sizeof subject);
     pm__spec_format_short(&a->method, method, sizeof method);
-    pm__spec_format_short(&a->estimator, estimator, sizeof estimator);
-    pm__format_double(pm__advise_alpha, alpha);
-    if (!a->passes)
+    if (a->estimator.entry)
+        pm__spec_format_short(&a->estimator, estimator, sizeof estimator);
+    if (a->passes)
+        write_passes(task, a, method, estimator, out, size);
+    else
         (void)snprintf(out, size,
                        "photonbench accuracy --case %s --estimator %s --k %zu --photons %zu --trials %zu --probes %zu "
                        "--seed %llu",
-                       subject, estimator, a->k, a->photons, a->trials, task->config->probes, seed);
-    else
-        (void)snprintf(out, size,
-                       "photonbench converge %s --method %s --estimator %s --alpha %s --k %zu --photons-per-pass %zu "
-                       "--passes %zu --size %zux%zu --trials %zu --seed %llu",
-                       subject + strlen("scene:"), method, estimator, alpha, a->k, a->photons, (size_t)a->passes,
-                       a->width, a->height, a->trials, seed);
+                       subject, estimator, a->k, a->photons, a->trials, task->config->probes,
+                       (unsigned long long)task->config->seed);
 }
 
 /* ---- On the screen ----------------------------------------------------------------------------- */
@@ -169,11 +186,12 @@ static void count(size_t value, char out[24])
 
 static void print_row(FILE *file, const pm__advice *a)
 {
-    char method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], k[24], photons[24], passes[24];
+    char method[PM__MAX_SPEC], estimator[PM__MAX_SPEC] = "-", k[24], photons[24], passes[24];
     char bias[16], noise[16], error[16], time[16];
     const bool known = is_known(a);
     pm__spec_format_short(&a->method, method, sizeof method);
-    pm__spec_format_short(&a->estimator, estimator, sizeof estimator);
+    if (a->estimator.entry)
+        pm__spec_format_short(&a->estimator, estimator, sizeof estimator);
     count(known ? a->k : 0, k);
     count(known ? a->photons : 0, photons);
     count(known ? a->passes : 0, passes);
@@ -220,6 +238,7 @@ void pm__advise_print(FILE *file, const pm__advise_task *task)
     char subject[PM__MAX_SPEC], command[COMMAND];
     const pm__advice *const best = &task->advice[0];
     const pm__advice *image = NULL;
+    bool maps = false;
     pm__spec_format_short(task->config->subject, subject, sizeof subject);
     (void)fprintf(file, "%.60s: error %.3g %%\n", subject, 100.0 * task->config->error);
     (void)fprintf(file, "  %-10s %-24s %7s %10s %7s %6s %6s %6s %8s\n", "method", "estimator", "k", "photons", "passes",
@@ -227,12 +246,16 @@ void pm__advise_print(FILE *file, const pm__advise_task *task)
     for (size_t i = 0; i < task->count; i++) {
         print_row(file, &task->advice[i]);
         image = task->advice[i].passes ? &task->advice[i] : image;
+        maps |= !task->advice[i].passes && is_known(&task->advice[i]);
     }
-    (void)fprintf(file, "All predicted; in percent of the mean truth, seconds on one thread with %zu lookups a map.\n",
-                  task->config->probes);
+    (void)fputs("All predicted; in percent of the mean truth, seconds on one thread", file);
+    if (maps)
+        (void)fprintf(file, " with %zu lookups a map", task->config->probes);
+    (void)fputs(".\n", file);
     if (image)
-        (void)fprintf(file, "Maps are judged over the case's region all, other methods in %zux%zu pixels of its "
-                            "image.\n", image->width, image->height);
+        (void)fprintf(file, "%s in %zux%zu pixels of the scene's image.\n",
+                      maps ? "Maps are judged over the case's region all, other methods" : "Methods are judged",
+                      image->width, image->height);
     pm__advise_command(task, best, command, sizeof command);
     (void)fprintf(file, "%s:\n  ", best->advised ? "The least time, marked *, is that of" : "The nearest comes");
     print_command(file, command);

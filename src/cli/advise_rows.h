@@ -11,6 +11,7 @@ typedef struct pm__advise_task {
     const pm__advice *advice;
     size_t count;
     double wall_s;
+    bool interrupted; /* before the advised row was verified */
 } pm__advise_task;
 
 /* The command that runs a piece of advice. */

@@ -39,18 +39,27 @@ static const pm__progressive *method_of(const pm__spec *spec)
     return (const pm__progressive *)(const void *)spec->entry;
 }
 
-/* Does it look photons up, so that a kernel matters? */
-static bool looks_up(const pm__progressive *method)
-{
-    return method->uses_photons && !method->no_lookups;
-}
-
 /* ---- What is asked for ------------------------------------------------------------------------- */
+
+/* --photons cannot end what emits none; that it were passes that nobody asked for would be no answer. */
+static pm_status check_end(const pm__settings *s, pm_error *error)
+{
+    const pm__converge_options *const c = &s->converge;
+    if (!c->photons || c->passes || s->seconds > 0.0 || c->error > 0.0)
+        return PM_OK;
+    for (size_t i = 0; i < c->methods.count; i++)
+        if (!method_of(&c->methods.items[i])->uses_photons)
+            return pm__fail(error, PM_EINVAL, "--photons does not end %s, which emits none: it needs --passes, "
+                                              "--seconds or --error too", c->methods.items[i].entry->name);
+    return PM_OK;
+}
 
 static pm_status fill_defaults(pm__settings *s, pm_error *error)
 {
     pm__converge_options *const c = &s->converge;
-    pm_status status = pm__default_specs(&pm__progressives, "ppm", &c->methods, error);
+    pm_status status = check_end(s, error);
+    if (status == PM_OK)
+        status = pm__default_specs(&pm__progressives, "ppm", &c->methods, error);
     if (status == PM_OK)
         status = pm__default_specs(&pm__estimators, "disc", &s->estimators, error);
     if (status == PM_OK)
@@ -82,7 +91,7 @@ static bool wants_k(const pm__settings *s)
 {
     for (size_t i = 0; i < s->converge.methods.count; i++) {
         const pm__progressive *const method = method_of(&s->converge.methods.items[i]);
-        if (looks_up(method) && !(method->shrinks && s->radius > 0.0))
+        if (pm__progressive_looks_up(method) && !(method->shrinks && s->radius > 0.0))
             return true;
     }
     return false;
@@ -139,13 +148,13 @@ static size_t list_series(const pm__settings *s, const pm__spec *scene, const pm
                           pm__converge_item *items)
 {
     const pm__progressive *const m = method_of(method);
-    const size_t kernels = looks_up(m) ? s->estimators.count : 1;
+    const size_t kernels = pm__progressive_looks_up(m) ? s->estimators.count : 1;
     const size_t alphas = m->shrinks ? s->converge.alpha_count : 1;
     for (size_t i = 0; items && i < kernels * alphas; i++) {
         const size_t kernel = i / alphas;
         items[i] = (pm__converge_item){.scene = scene,
                                        .method = method,
-                                       .estimator = looks_up(m) ? &s->estimators.items[kernel] : NULL,
+                                       .estimator = pm__progressive_looks_up(m) ? &s->estimators.items[kernel] : NULL,
                                        .kernel = kernel,
                                        .alpha = m->shrinks ? s->converge.alphas[i % alphas] : (double)NAN};
     }

@@ -1,7 +1,7 @@
 /* list: what there is, from the catalogues. */
 #include "../../cases/scenes/list.h"
 #include "../../estimators/estimator.h"
-#include "../methods/progressive/progressive.h"
+#include "../converge/converge.h"
 #include "../methods/render.h"
 #include "../search/search.h"
 #include "commands.h"
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 7, TEXT_SIZE = 4096 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 7, TEXT_SIZE = 4096, SIZE = 48 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -42,7 +42,7 @@ typedef struct thing {
 typedef struct listing {
     thing *items;
     size_t count;
-    char text[TEXT_SIZE]; /* of the row in hand */
+    char text[TEXT_SIZE], size[SIZE]; /* of the row in hand */
 } listing;
 
 static const pm__case *case_of(const thing *item)
@@ -91,14 +91,31 @@ static void format_param(const pm__entry *entry, size_t i, char *text, size_t si
                    param->help);
 }
 
+/* "128x128": is there a stored reference of the scene, by which methods are judged? */
+static bool has_reference(const pm__entry *scene, char size[SIZE])
+{
+    pm__spec spec;
+    size_t width, height;
+    pm__spec_default(scene, &spec);
+    if (!pm__converge_reference_size(&spec, &width, &height))
+        return false;
+    (void)snprintf(size, SIZE, "%zux%zu", width, height);
+    return true;
+}
+
 /* Of a scene: is there an exact answer, and of which light? */
 static void print_answer(FILE *file, const pm__case *scene)
 {
-    char text[200];
+    char text[200], size[SIZE];
     if (scene->truth)
-        (void)snprintf(text, sizeof text, "exact answer: of light paths %s", scene->paths);
+        (void)snprintf(text, sizeof text, "exact answer: of light paths %s: for accuracy, converge and advise",
+                       scene->paths);
+    else if (has_reference(&scene->entry, size))
+        (void)snprintf(text, sizeof text, "no exact answer: for render, not for accuracy; its defaults have a stored "
+                       "reference of %s: for converge and advise too", size);
     else
-        (void)snprintf(text, sizeof text, "no exact answer: for render, not for accuracy");
+        (void)snprintf(text, sizeof text, "no exact answer, no reference: for render, not for accuracy, converge, "
+                       "advise");
     (void)fprintf(file, "%*s", TEXT_COLUMN + 2, "");
     pm__wrap(file, text, TEXT_COLUMN + 2, TEXT_COLUMN + 6);
 }
@@ -181,8 +198,9 @@ static json_t *region_trees(const pm__case *subject)
     return trees;
 }
 
-static const char *const fields[] = {"kind", "name", "summary", "citation", "parameters", "paths", "regions"};
-enum { FIELD_COUNT = 7, PLAIN_COUNT = 5 };
+static const char *const fields[] = {"kind", "name", "summary", "citation", "parameters", "paths", "regions",
+                                     "reference"};
+enum { FIELD_COUNT = 8, PLAIN_COUNT = 5 };
 
 static void fill_row(void *context, size_t index, pm__cell *cells)
 {
@@ -205,6 +223,8 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
         cells[5] = pm__text_cell(subject->paths);
         cells[6] = (pm__cell){.type = PM__TREE, .tree = region_trees(subject)};
     }
+    if (item->kind->catalogue == &pm__scene_cases && has_reference(item->entry, list->size))
+        cells[7] = pm__text_cell(list->size);
 }
 
 /* All entries of the kinds that `only` names (NULL: of all); -1 if out of memory. */

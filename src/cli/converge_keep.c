@@ -12,6 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Files that are complete need not be written more often, s. */
@@ -34,7 +35,24 @@ static json_t *asked_of(const pm__converge_task *task)
 
 static char *text_of(const json_t *value)
 {
-    return value ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : strdup("nothing");
+    return json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+}
+
+/* For people: with no more digits than its numbers need. */
+static char *short_text_of(const json_t *value)
+{
+    if (!value)
+        return strdup("nothing");
+    for (size_t digits = 15; digits < 17; digits++) {
+        char *const text = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(digits));
+        json_t *const back = text ? json_loads(text, JSON_DECODE_ANY, NULL) : NULL;
+        const bool same = back && json_equal(back, value);
+        json_decref(back);
+        if (same)
+            return text;
+        free(text);
+    }
+    return text_of(value);
 }
 
 /* "photons_per_pass" as the user knows it. */
@@ -49,7 +67,7 @@ static void name_option(const char *key, char name[PM__QUOTE_SIZE])
 static pm_status refuse_other(const char *file, const char *key, const json_t *was, const json_t *is, pm_error *error)
 {
     char name[PM__QUOTE_SIZE];
-    char *const then = text_of(was), *const now = text_of(is);
+    char *const then = short_text_of(was), *const now = short_text_of(is);
     name_option(key, name);
     const pm_status status =
         pm__fail(error, PM_EINVAL, "%s: a checkpoint of other options: %s was %.100s and is %.100s now", file, name,
@@ -91,6 +109,53 @@ static pm_status check_same(const pm__keep *keep, const pm__checkpoint *found, j
     return status;
 }
 
+/* ---- The file ---------------------------------------------------------------------------------- */
+
+/* On the disk before it takes the place of the one before: a machine that stops has either. What cannot be synced is
+ * no file on a disk. */
+static pm_status sync_file(FILE *file, const char *path, pm_error *error)
+{
+    char name[PM__NAME_SIZE];
+    if (fflush(file) == 0 && (fsync(fileno(file)) == 0 || errno == EINVAL || errno == EROFS))
+        return PM_OK;
+    pm__quote_path(path, name);
+    return pm__fail(error, PM_EIO, "%s: cannot be written: %s", name, strerror(errno));
+}
+
+/* commit: false only sees whether it could be. */
+static pm_status write_file(pm__keep *keep, bool commit, pm_error *error)
+{
+    pm__sink sink;
+    pm_status status = pm__sink_open(keep->path, &sink, error);
+    if (status != PM_OK)
+        return status;
+    pm__checkpoint_write(pm__sink_file(&sink), &keep->checkpoint);
+    status = sync_file(pm__sink_file(&sink), keep->path, error);
+    if (status == PM_OK && commit)
+        return pm__sink_close(&sink, error);
+    pm__sink_discard(&sink);
+    return status;
+}
+
+/* What is read again, and replaced as a whole, is no device or pipe; opening the latter could wait for ever. */
+static pm_status check_regular(const char *path, pm_error *error)
+{
+    struct stat about;
+    char name[PM__NAME_SIZE];
+    if (stat(path, &about) != 0 || S_ISREG(about.st_mode) || S_ISDIR(about.st_mode))
+        return PM_OK; /* whatever else is wrong is seen when it is opened */
+    pm__quote_path(path, name);
+    return pm__fail(error, PM_EIO, "%s: cannot be written: a checkpoint is a regular file", name);
+}
+
+/* So that a path or disk that will not do shows before the work; what is there stays until there is something to
+ * save. */
+static pm_status try_path(pm__keep *keep, pm_error *error)
+{
+    const pm_status status = check_regular(keep->path, error);
+    return status == PM_OK ? write_file(keep, false, error) : status;
+}
+
 /* ---- Opening ----------------------------------------------------------------------------------- */
 
 /* Its parts become ours. */
@@ -114,18 +179,6 @@ static pm_status resume(pm__keep *keep, size_t series, json_t *asked, pm_error *
     return status;
 }
 
-/* So that a bad path shows before the work; what is there stays until there is something to save. */
-static pm_status try_path(const char *path, pm_error *error)
-{
-    pm__output output;
-    pm__interrupt_block();
-    const pm_status status = pm__output_open(path, &output, error);
-    if (status == PM_OK)
-        pm__output_discard(&output);
-    pm__interrupt_unblock();
-    return status;
-}
-
 pm_status pm__keep_open(const pm__converge_task *task, pm__keep *keep, pm_error *error)
 {
     const pm__settings *const s = task->settings;
@@ -142,7 +195,7 @@ pm_status pm__keep_open(const pm__converge_task *task, pm__keep *keep, pm_error 
     if (status == PM_OK && s->converge.resume)
         status = resume(keep, task->count, asked, error);
     if (status == PM_OK)
-        status = try_path(keep->path, error);
+        status = try_path(keep, error);
     json_decref(asked);
     keep->stale = !s->converge.resume || strcmp(keep->path, s->converge.resume) != 0;
     keep->written = pm__seconds();
@@ -172,36 +225,11 @@ pm_status pm__keep_refuse(pm__keep *keep, size_t item, pm_error *error)
                     keep->checkpoint.parts[item].offset, item + 1, reason.text);
 }
 
-/* On the disk before it takes the place of the one before: a machine that stops has either. What cannot be synced is
- * no file on a disk. */
-static pm_status sync_file(FILE *file, const char *path, pm_error *error)
-{
-    char name[PM__NAME_SIZE];
-    if (fflush(file) != 0 || fsync(fileno(file)) == 0 || errno == EINVAL || errno == EROFS)
-        return PM_OK; /* that it could not be flushed is seen when it is closed */
-    pm__quote_path(path, name);
-    return pm__fail(error, PM_EIO, "%s: cannot be written: %s", name, strerror(errno));
-}
-
-static pm_status write_file(pm__keep *keep, pm_error *error)
-{
-    pm__sink sink;
-    pm_status status = pm__sink_open(keep->path, &sink, error);
-    if (status != PM_OK)
-        return status;
-    pm__checkpoint_write(pm__sink_file(&sink), &keep->checkpoint);
-    status = sync_file(pm__sink_file(&sink), keep->path, error);
-    if (status == PM_OK)
-        return pm__sink_close(&sink, error);
-    pm__sink_discard(&sink);
-    return status;
-}
-
 pm_status pm__keep_flush(pm__keep *keep, pm_error *error)
 {
     if (!keep->path || !keep->stale)
         return PM_OK;
-    const pm_status status = write_file(keep, error);
+    const pm_status status = write_file(keep, true, error);
     keep->stale = status != PM_OK;
     keep->written = pm__seconds();
     return status;

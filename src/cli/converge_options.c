@@ -152,7 +152,7 @@ const pm__option pm__converge_option_passes = {
 const pm__option pm__converge_option_photons_per_pass = {
     "photons-per-pass", 0, "N", "photons emitted in a pass (20000)", set_photons_per_pass};
 const pm__option pm__converge_option_photons = {
-    "photons", 0, "N", "no further pass once a run has emitted so many photons (none)", set_photons};
+    "photons", 0, "N", "no further pass once a run has emitted so many photons; path emits none (none)", set_photons};
 const pm__option pm__converge_option_radius = {
     "radius", 0, "R", "of the first lookup, m (at each point that of its --k nearest photons)", set_radius};
 const pm__option pm__converge_option_k = {

@@ -18,7 +18,7 @@ static char sign_of(pm__interval interval)
 static void print_heading(FILE *file, const pm__converge_item *item, bool colourful)
 {
     const pm__converge_series *const series = &item->series;
-    char scene[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], text[LONGEST_HEADING];
+    char scene[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], alpha[32], text[LONGEST_HEADING];
     size_t used = 0;
     pm__spec_format(item->scene, scene, sizeof scene);
     pm__spec_format_short(item->method, method, sizeof method);
@@ -27,8 +27,10 @@ static void print_heading(FILE *file, const pm__converge_item *item, bool colour
         pm__spec_format_short(item->estimator, estimator, sizeof estimator);
         used += (size_t)snprintf(text + used, sizeof text - used, " by %s", estimator);
     }
-    if (isfinite(item->alpha))
-        used += (size_t)snprintf(text + used, sizeof text - used, ", alpha %g", item->alpha);
+    if (isfinite(item->alpha)) {
+        pm__format_double(item->alpha, alpha);
+        used += (size_t)snprintf(text + used, sizeof text - used, ", alpha %s", alpha);
+    }
     if (series->row_count && strcmp(series->truth, "exact") == 0)
         used += (size_t)snprintf(text + used, sizeof text - used, "; %zu of %zu points, exact truth", series->points,
                                  series->all_points);
@@ -44,7 +46,9 @@ static void print_heading(FILE *file, const pm__converge_item *item, bool colour
 
 static void print_photons(FILE *file, uint64_t photons)
 {
-    if (photons < 1000000000)
+    if (!photons) /* the method emits none */
+        (void)fprintf(file, " %9s", "-");
+    else if (photons < 1000000000)
         (void)fprintf(file, " %9llu", (unsigned long long)photons);
     else
         (void)fprintf(file, " %9.3e", (double)photons);

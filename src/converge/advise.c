@@ -52,6 +52,17 @@ static bool is_map(const pm__spec *method)
     return method->entry == &pm__advise_map;
 }
 
+/* A map is judged by an exact answer; of a scene without one there is at best a stored reference. */
+static void fill_methods(pm__advise_config *config, defaults *d)
+{
+    const pm__case *const subject = (const pm__case *)(const void *)config->subject->entry;
+    const bool passes = pm__is_traced(subject), maps = !passes || subject->truth;
+    pm__spec_default(&pm__advise_map, &d->methods[0]);
+    pm__spec_default(&pm__progressive_pppm.entry, &d->methods[1]);
+    config->methods = maps ? d->methods : d->methods + 1;
+    config->method_count = maps && passes ? 2 : 1;
+}
+
 static pm_status fill(const pm__advise_config *given, pm__advise_config *config, defaults *d, pm_error *error)
 {
     *config = *given;
@@ -63,12 +74,8 @@ static pm_status fill(const pm__advise_config *given, pm__advise_config *config,
         config->estimators = d->estimators;
         config->estimator_count = d->estimator_count;
     }
-    if (!config->method_count) {
-        pm__spec_default(&pm__advise_map, &d->methods[0]);
-        pm__spec_default(&pm__progressive_pppm.entry, &d->methods[1]);
-        config->methods = d->methods;
-        config->method_count = pm__is_traced((const pm__case *)(const void *)given->subject->entry) ? 2 : 1;
-    }
+    if (!config->method_count)
+        fill_methods(config, d);
     return status;
 }
 
@@ -114,11 +121,21 @@ static pm_status study(pm__advising *a, const defaults *d, const pm__spec *origi
             status = pm__advise_maps(a, &config->methods[i], error);
             continue;
         }
-        const size_t kernels = original_count ? original_count : 1;
-        for (size_t e = 0; e < kernels && status == PM_OK; e++)
-            status = pm__advise_passes(a, &config->methods[i], original_count ? &original[e] : &d->disc, error);
+        const pm__progressive *const method = (const pm__progressive *)(const void *)config->methods[i].entry;
+        const bool looks_up = pm__progressive_looks_up(method);
+        const size_t kernels = looks_up && original_count ? original_count : 1;
+        for (size_t e = 0; e < kernels && status == PM_OK; e++) {
+            const pm__spec *const kernel = original_count ? &original[e] : &d->disc;
+            status = pm__advise_passes(a, &config->methods[i], looks_up ? kernel : NULL, error);
+        }
     }
     return status;
+}
+
+static void forget_reached(pm__advice *a)
+{
+    a->reached_rel_rmse = a->reached_seconds = a->ratio = NAN;
+    a->reached_rel_rmse_ci95 = (pm__interval){NAN, NAN};
 }
 
 static pm_status rank(pm__advising *a, pm_error *error)
@@ -127,11 +144,8 @@ static pm_status rank(pm__advising *a, pm_error *error)
     if (rank_of(&a->advice[0]) == 2)
         return pm__fail(error, PM_EINVAL, "%s", a->advice[0].detail);
     a->advice[0].advised = rank_of(&a->advice[0]) == 0;
-    for (size_t i = 0; i < a->count; i++) {
-        pm__advice *const x = &a->advice[i];
-        x->reached_rel_rmse = x->reached_seconds = x->ratio = NAN;
-        x->reached_rel_rmse_ci95 = (pm__interval){NAN, NAN};
-    }
+    for (size_t i = 0; i < a->count; i++)
+        forget_reached(&a->advice[i]);
     return PM_OK;
 }
 
@@ -162,17 +176,40 @@ pm_status pm__advise(const pm__advise_config *given, pm__advice **advice, size_t
     return status;
 }
 
+/* Before what there is to know of the prediction already. */
+static void add_detail(pm__advice *advice, const char *what)
+{
+    char before[PM__DETAIL_SIZE];
+    memcpy(before, advice->detail, sizeof before);
+    (void)snprintf(advice->detail, sizeof advice->detail, "%.80s%s%.70s", what, *before ? "; " : "", before);
+}
+
+static void judge(const pm__advise_config *config, pm__advice *advice)
+{
+    char text[80];
+    advice->ratio = advice->reached_rel_rmse / config->error;
+    const bool least = advice->predicted_rel_rmse < (1.0 - tolerance) * config->error; /* there is nothing smaller */
+    const bool worse = advice->ratio > 1.0 + tolerance, better = advice->ratio < 1.0 - tolerance;
+    if (better && least) {
+        add_detail(advice, "better than what was asked for: the least there is");
+    } else if (better || worse) {
+        advice->status = "missed";
+        (void)snprintf(text, sizeof text, "%s than what was asked for by more than 25 %%", better ? "better" : "worse");
+        add_detail(advice, text);
+    }
+}
+
 pm_status pm__advise_verify(const pm__advise_config *config, pm__advice *advice, pm_error *error)
 {
     const pm_status status = advice->passes ? pm__advise_verify_passes(config, advice, error)
                                             : pm__advise_verify_map(config, advice, error);
-    if (status != PM_OK)
-        return status;
-    advice->ratio = advice->reached_rel_rmse / config->error;
-    const bool least = advice->predicted_rel_rmse < (1.0 - tolerance) * config->error; /* there is nothing smaller */
-    if (advice->ratio > 1.0 + tolerance || (advice->ratio < 1.0 - tolerance && !least))
-        advice->status = "missed";
-    else if (advice->ratio < 1.0 - tolerance)
-        (void)snprintf(advice->detail, sizeof advice->detail, "better than what was asked for: the least there is");
-    return PM_OK;
+    if (status == PM_OK)
+        judge(config, advice);
+    else
+        forget_reached(advice);
+    if (status == PM_ECANCELED) {
+        advice->status = "interrupted";
+        add_detail(advice, "its verification was interrupted");
+    }
+    return status;
 }

@@ -246,7 +246,10 @@ static double measured_slope(const pm__pass_sample *samples, size_t count, doubl
 {
     line sums = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (size_t i = 0; i < count; i++)
-        line_add(&sums, 1.0, log(samples[i].passes), log(samples[i].variance));
+        if (samples[i].variance > 0.0)
+            line_add(&sums, 1.0, log(samples[i].passes), log(samples[i].variance));
+    if (!(sums.weight > 0.0))
+        return low;
     const double x = sums.x / sums.weight, spread = sums.xx / sums.weight - x * x;
     const double slope = spread > 1e-9 ? (x * sums.y - sums.xy) / sums.weight / spread : low;
     return fmin(fmax(slope, low), high);
@@ -283,4 +286,15 @@ double pm__pass_solve(const pm__pass_law *law, double error, double most)
             low = middle;
     }
     return high;
+}
+
+double pm__pass_floor(const pm__pass_law *law)
+{
+    return law->bias2_slope > 0.0 ? 0.0 : sqrt(law->bias2_1);
+}
+
+double pm__pass_nearest(const pm__pass_law *law, double most)
+{
+    static const double hardly = 1.01;
+    return pm__pass_floor(law) > 0.0 ? pm__pass_solve(law, hardly * pm__pass_error(law, most), most) : most;
 }

@@ -67,12 +67,16 @@ typedef struct pm__pass_law {
     double variance_1, variance_slope, bias2_1, bias2_slope;
 } pm__pass_law;
 
-/* Of the last half of the samples, all variances above 0. variance_slope: the least there can be, and what is taken of
- * a single sample; measured it is at most 1. count >= 1. */
+/* Of the last half of the samples. variance_slope: the least there can be, and what is taken where fewer than two
+ * variances are above 0; measured it is at most 1. count >= 1. */
 pm__pass_law pm__pass_law_fit(const pm__pass_sample *samples, size_t count, double variance_slope,
                               double bias2_slope);
 double pm__pass_error(const pm__pass_law *law, double passes);
 /* The passes after which the error is at most `error`, a whole number >= 1; 0: not within `most`. */
 double pm__pass_solve(const pm__pass_law *law, double error, double most);
+/* The error that no number of passes goes below: of a bias that stays. */
+double pm__pass_floor(const pm__pass_law *law);
+/* Where the error is out of reach: `most`, or where a bias stays the fewest passes within 1 % of what `most` leave. */
+double pm__pass_nearest(const pm__pass_law *law, double most);
 
 #endif

@@ -105,7 +105,7 @@ static pm_status run_bench(const pm__advise_config *config, const order *o, pm__
                                        .canceled = is_canceled,
                                        .context = &s};
     const pm_status status = pm__accuracy_run(&bench, rows, count, error);
-    return status == PM_OK && is_canceled(&s) && !*count ? PM_ECANCELED : status;
+    return status == PM_OK && is_canceled(&s) ? PM_ECANCELED : status; /* rows of some trials are not what was wanted */
 }
 
 /* ---- Pilots ------------------------------------------------------------------------------------ */
@@ -308,6 +308,21 @@ static void open_candidate(maps *m, size_t i, const pm__spec *method, const pm__
                                          .most_photons = most_photons(m->of->config)}};
 }
 
+/* What the accuracy bench says of it is meant for those who have asked for that. */
+static pm_status check_truth(const pm__advise_config *config, pm_error *error)
+{
+    const pm__case *const subject = (const pm__case *)(const void *)config->subject->entry;
+    char name[PM__MAX_SPEC];
+    size_t width, height;
+    if (subject->truth || !pm__is_traced(subject))
+        return PM_OK;
+    pm__spec_format_short(config->subject, name, sizeof name);
+    return pm__fail(error, PM_EINVAL, "%.50s has no exact answer, which maps are judged by%s", name,
+                    pm__converge_reference_size(config->subject, &width, &height)
+                        ? "; other methods, such as pppm, are by its stored reference"
+                        : "");
+}
+
 pm_status pm__advise_maps(pm__advising *a, const pm__spec *method, pm_error *error)
 {
     const pm__advise_config *const config = a->config;
@@ -317,7 +332,9 @@ pm_status pm__advise_maps(pm__advising *a, const pm__spec *method, pm_error *err
         return pm__fail(error, PM_ENOMEM, "out of memory");
     for (size_t i = 0; i < m.count; i++)
         open_candidate(&m, i, method, &config->estimators[i]);
-    pm_status status = run_first_pilot(&m, error);
+    pm_status status = check_truth(config, error);
+    if (status == PM_OK)
+        status = run_first_pilot(&m, error);
     if (status == PM_OK)
         status = settle(&m, error);
     for (size_t i = 0; i < m.count && status == PM_OK; i++)

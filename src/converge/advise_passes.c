@@ -10,7 +10,6 @@
 
 enum { SIDE = 32, PILOT_PASSES = 32, FEWEST_PASSES = 4, PILOT_TRIALS = 4, TIMED_PASSES = 2, CHECK_TRIALS = 4 };
 enum { NEAR = 2, ROUNDS = 2 };
-static const double most_passes = 1e6;
 const double pm__advise_alpha = 0.667;
 
 typedef struct progress_stage {
@@ -37,6 +36,11 @@ typedef struct series_order {
     uint64_t seed;
     size_t width, height;
 } series_order;
+
+static const pm__progressive *method_of(const series_order *o)
+{
+    return (const pm__progressive *)(const void *)o->method->entry;
+}
 
 static pm__progressive_config progressive_of(const series_order *o, progress_stage *stage, bool parallel)
 {
@@ -91,7 +95,7 @@ static pm_status time_passes(const series_order *o, uint32_t passes, double *sec
  * law is not known is taken to shrink; means of biased maps keep their bias. */
 static void slopes_of(const series_order *o, double *variance, double *bias2)
 {
-    const pm__progressive *const method = (const pm__progressive *)(const void *)o->method->entry;
+    const pm__progressive *const method = method_of(o);
     const bool mean = method->law == PM__LAW_MEAN || method->law == PM__LAW_POOLED || method->law == PM__LAW_UNBIASED;
     const double kept = method->law == PM__LAW_GROWING ? pm__spec_value(o->method, "beta", pm__advise_alpha)
                                                        : pm__advise_alpha;
@@ -121,18 +125,35 @@ static pm__pass_law fit(const series_order *o, const pm__converge_series *series
     return pm__pass_law_fit(samples, series->row_count, variance_slope, bias2_slope);
 }
 
-static double passes_allowed(const pm__advise_config *config)
+/* Photons are the limit of methods that emit them. */
+static double passes_allowed(const series_order *o)
 {
-    const double by_photons = config->most_photons ? (double)config->most_photons / PM__ADVISE_PASS : most_passes;
-    return floor(fmin(most_passes, by_photons));
+    const double photons = method_of(o)->uses_photons ? (double)o->config->most_photons : 0.0;
+    return photons > 0.0 ? floor(fmin(PM__ADVISE_MOST_PASSES, photons / PM__ADVISE_PASS)) : PM__ADVISE_MOST_PASSES;
+}
+
+/* Why the error is out of reach. */
+static void say_why(const series_order *o, const pm__pass_law *law, pm__advice *a)
+{
+    const double left = 100.0 * a->predicted_rel_rmse, stays = pm__pass_floor(law);
+    const bool bounded = passes_allowed(o) < PM__ADVISE_MOST_PASSES;
+    if (stays > o->config->error && !(law->variance_1 > 0.0))
+        (void)snprintf(a->detail, sizeof a->detail, "every pass gives the same answer: %.3g %% is left however many "
+                       "there are", left);
+    else if (stays > o->config->error)
+        (void)snprintf(a->detail, sizeof a->detail, "more passes do not help: a bias of %.3g %% is left however many "
+                       "there are", 100.0 * stays);
+    else
+        (void)snprintf(a->detail, sizeof a->detail, "after %u pass%s, the most that %s, %.3g %% is left", a->passes,
+                       a->passes == 1 ? "" : "es", bounded ? "so few photons allow" : "are considered", left);
 }
 
 static void write_advice(const series_order *o, const pm__pass_law *law, double pass_seconds, pm__advice *a)
 {
-    const double most = passes_allowed(o->config), wanted = pm__pass_solve(law, o->config->error, most);
-    const double passes = wanted > 0.0 ? wanted : fmax(most, 1.0);
-    a->k = PM__ADVISE_K;
-    a->photons = PM__ADVISE_PASS;
+    const double most = passes_allowed(o), wanted = pm__pass_solve(law, o->config->error, most);
+    const double passes = wanted > 0.0 ? wanted : pm__pass_nearest(law, most);
+    a->k = pm__progressive_looks_up(method_of(o)) ? PM__ADVISE_K : 0;
+    a->photons = method_of(o)->uses_photons ? PM__ADVISE_PASS : 0;
     a->passes = (uint32_t)passes;
     a->trials = CHECK_TRIALS;
     a->width = o->width;
@@ -142,9 +163,9 @@ static void write_advice(const series_order *o, const pm__pass_law *law, double 
     a->predicted_rel_rmse = pm__pass_error(law, passes);
     a->predicted_seconds = passes * pass_seconds;
     a->status = wanted > 0.0 ? "ok" : "unreachable";
+    *a->detail = '\0';
     if (!(wanted > 0.0))
-        (void)snprintf(a->detail, sizeof a->detail, "after %.0f passes, the most there can be, %.3g %% is left", passes,
-                       100.0 * a->predicted_rel_rmse);
+        say_why(o, law, a);
 }
 
 /* Passes of the next pilot: as many as the answer's, or as the time left allows; 0: what there is is near enough. */
@@ -157,22 +178,22 @@ static uint32_t next_passes(const pm__advising *a, const pm__advice *advice, uin
 }
 
 /* Of the first pilot: few enough for the time left, but as many as a slope takes. */
-static uint32_t first_passes(const pm__advising *a, double pass_seconds)
+static uint32_t first_passes(const pm__advising *a, const series_order *o, double pass_seconds)
 {
     const double threads = a->config->threads ? (double)a->config->threads : 1.0;
     const double fit_in = pm__advise_time_left(a) * threads / (PILOT_TRIALS * pass_seconds);
     const double passes = fmin(fmax(fit_in, FEWEST_PASSES), PILOT_PASSES);
-    return (uint32_t)fmin(passes, fmax(1.0, passes_allowed(a->config)));
+    return (uint32_t)fmin(passes, passes_allowed(o));
 }
 
 static pm_status study(pm__advising *a, const series_order *o, pm__advice *advice, pm_error *error)
 {
     double seconds = 0.0;
-    if (passes_allowed(o->config) < 1.0)
-        return pm__fail(error, PM_EINVAL, "a pass emits %d photons, more than the most that there may be",
-                        PM__ADVISE_PASS);
+    if (passes_allowed(o) < 1.0)
+        return pm__fail(error, PM_EINVAL, "a pass emits %d photons, and %zu is the most that there may be",
+                        PM__ADVISE_PASS, o->config->most_photons);
     pm_status status = time_passes(o, TIMED_PASSES, &seconds, error);
-    uint32_t passes = first_passes(a, seconds / TIMED_PASSES);
+    uint32_t passes = first_passes(a, o, seconds / TIMED_PASSES);
     for (int round = 0; round < ROUNDS && passes && status == PM_OK; round++) {
         pm__converge_series series;
         status = run_series(o, PILOT_TRIALS, passes, &series, error);
@@ -186,10 +207,12 @@ static pm_status study(pm__advising *a, const series_order *o, pm__advice *advic
     return status;
 }
 
+/* Any, where it does not matter. */
 static pm_status make_kernel(const pm__spec *estimator, pm_estimator **kernel, pm_error *error)
 {
-    char name[PM__MAX_SPEC];
-    pm__spec_format(estimator, name, sizeof name);
+    char name[PM__MAX_SPEC] = "disc";
+    if (estimator->entry)
+        pm__spec_format(estimator, name, sizeof name);
     return pm_estimator_create(name, kernel, error);
 }
 
@@ -208,7 +231,9 @@ pm_status pm__advise_passes(pm__advising *a, const pm__spec *method, const pm__s
     pm__advice *const advice = &a->advice[a->count++];
     pm_estimator *kernel = NULL;
     series_order o;
-    *advice = (pm__advice){.method = *method, .estimator = *estimator, .status = "ok"};
+    *advice = (pm__advice){.method = *method, .status = "ok"};
+    if (estimator)
+        advice->estimator = *estimator;
     pm_status status = make_order(a->config, advice, pm__advise_pilot_seed(a->config), &kernel, &o, error);
     if (status == PM_OK)
         status = study(a, &o, advice, error);

@@ -22,7 +22,7 @@ void pm__advise_unsupported(pm__advice *advice, const char *why);
 pm_status pm__advise_maps(pm__advising *a, const pm__spec *method, pm_error *error);
 pm_status pm__advise_verify_map(const pm__advise_config *config, pm__advice *advice, pm_error *error);
 
-/* The same of a progressive method. */
+/* The same of a progressive method. estimator: NULL where it looks nothing up. */
 pm_status pm__advise_passes(pm__advising *a, const pm__spec *method, const pm__spec *estimator, pm_error *error);
 pm_status pm__advise_verify_passes(const pm__advise_config *config, pm__advice *advice, pm_error *error);
 

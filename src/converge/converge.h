@@ -26,7 +26,7 @@ typedef struct pm__converge_config {
     pm__progressive_config progressive;
     size_t trials;       /* >= 2 */
     uint32_t passes;     /* at most, of each run; >= 1 */
-    uint64_t photons;    /* emitted by a run, at most; 0: no limit. A pass is not cut */
+    uint64_t photons;    /* emitted by a run, at most; 0: no limit. A pass is not cut; methods that emit none go on */
     double seconds;      /* for all runs together; 0: no limit. The first run's passes are then those of all */
     double error;        /* no further pass once the first run estimates that its rms error over the mean radiance is no
                             more (progressive.h), but 8 passes or more; they are then those of all. 0: no limit, and
@@ -54,7 +54,7 @@ typedef struct pm__converge_row {
                                        the measured points; beside a stored reference of all */
     double estimated_rel_rmse_mean; /* of all runs' */
     double estimate_right;          /* the share of points and runs whose error lies within the point's own bound, of
-                                       PM__CONFIDENCE; NAN beside a stored reference */
+                                       PM__CONFIDENCE; NAN beside a stored reference, and where a run has no estimate */
     double along, along_error;  /* b along the predicted bias over its size (1: as predicted) and its standard error */
 } pm__converge_row;
 

@@ -182,8 +182,8 @@ static pm_status fit_bias(const pm__record_set *set, size_t first, const double 
             logs[t * set->records + r] = log(fabs(t < n ? without[t] : along.value) * size);
     }
     if (status == PM_OK && faint)
-        (void)snprintf(bias->detail, sizeof bias->detail, "after %u passes the bias is not %g standard errors clear",
-                       faint, clear);
+        (void)snprintf(bias->detail, sizeof bias->detail, "after %u pass%s the bias is not %g standard errors clear",
+                       faint, faint == 1 ? "" : "es", clear);
     else if (status == PM_OK)
         fit(set, first, logs, bias);
     free(logs);

@@ -16,7 +16,8 @@ typedef struct pm__yardstick {
 } pm__yardstick;
 
 /* exact: at the points themselves, or for methods that draw them anew the mean over PM__PIXEL_SAMPLES of a pixel; else
- * the stored reference. lawful: NULL, or which points alone are measured. EINVAL: there is no truth. ENOMEM. */
+ * the stored reference. lawful: NULL, or which points alone are measured. EINVAL: there is no truth, or it is 0
+ * everywhere, so that nothing is relative to it. ENOMEM. */
 enum { PM__PIXEL_SAMPLES = 64 };
 pm_status pm__yardstick_create(const pm__progression *progression, const bool *lawful, pm__yardstick *yardstick,
                                pm_error *error);

@@ -39,7 +39,7 @@ void pm__measuring_own_record(pm__measuring *m, const float *e)
     if (!m->estimated)
         return;
     m->estimated[at] = pm__measuring_own_error(m);
-    m->right[at] = m->run.passes < 2 || !is_exact(m) ? (double)NAN : share_right(m, e);
+    m->right[at] = isfinite(m->estimated[at]) && is_exact(m) ? share_right(m, e) : (double)NAN;
 }
 
 void pm__measuring_own_average(const pm__measuring *m)

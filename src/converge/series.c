@@ -9,6 +9,11 @@
 
 enum { FEWEST = 8 }; /* passes before a run's estimate of its error is believed */
 
+static const pm__progressive *method_of(const pm__converge_config *config)
+{
+    return (const pm__progressive *)(const void *)config->progressive.method->entry;
+}
+
 static bool is_canceled(const pm__converge_config *config)
 {
     return config->progressive.canceled && config->progressive.canceled(config->progressive.context);
@@ -39,7 +44,8 @@ static void set_records(pm__measuring *m, uint32_t last)
 static uint32_t most_passes(const pm__converge_config *config)
 {
     const uint64_t each = config->progressive.photons ? config->progressive.photons : 1;
-    const uint64_t by_photons = config->photons ? (config->photons + each - 1) / each : UINT32_MAX;
+    const bool limited = config->photons && method_of(config)->uses_photons; /* none that are not emitted end it */
+    const uint64_t by_photons = limited ? (config->photons + each - 1) / each : UINT32_MAX;
     return by_photons < config->passes ? (uint32_t)by_photons : config->passes;
 }
 
@@ -278,7 +284,7 @@ static pm_status finish(pm__measuring *m, pm_error *error)
         status = expect(m, &profile, law, error);
     const pm__record_set set = {.errors = m->errors, .passes = m->passes, .records = m->records,
                                 .trials = series->trials, .values = 3 * m->yardstick.values, .profile = profile,
-                                .scale = m->yardstick.truth_mean > 0.0 ? 1.0 / m->yardstick.truth_mean : 0.0};
+                                .scale = 1.0 / m->yardstick.truth_mean};
     if (status == PM_OK)
         status = summarize(m, &set, error);
     if (status == PM_OK)
@@ -295,7 +301,7 @@ static pm_status finish(pm__measuring *m, pm_error *error)
 static pm_status check(const pm__converge_config *config, pm_error *error)
 {
     if (config->trials < 2)
-        return pm__fail(error, PM_EINVAL, "%zu trials: noise takes at least 2", config->trials);
+        return pm__fail(error, PM_EINVAL, "noise takes 2 trials or more, not %zu", config->trials);
     if (!config->passes)
         return pm__fail(error, PM_EINVAL, "no passes");
     if (!(config->error >= 0.0 && config->error < INFINITY))

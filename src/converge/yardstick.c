@@ -111,8 +111,8 @@ static pm_status take_exact(const pm__progression *p, const bool *lawful, pm__ya
         }
     free(t.values);
     return y->values ? PM_OK
-                     : pm__fail(error, PM_EINVAL, "the truth is known at none of %zu points of %s", p->points,
-                                p->stage.subject->entry.name);
+                     : pm__fail(error, PM_EINVAL, "the truth of %s is known nowhere in its image of %zux%zu points",
+                                p->stage.subject->entry.name, p->config->width, p->config->height);
 }
 
 /* ---- Reference --------------------------------------------------------------------------------- */
@@ -161,10 +161,15 @@ static pm_status take_blocks(const pm__progression *p, const pm__image *image, p
 static pm_status take_reference(const pm__progression *p, pm__yardstick *y, pm_error *error)
 {
     const char *const name = p->stage.subject->entry.name + strlen("scene:");
+    char asked[PM__MAX_SPEC];
     pm__reference reference;
+    pm__spec_format_short(p->config->scene, asked, sizeof asked);
+    if (!pm__reference_exists(name))
+        return pm__fail(error, PM_EINVAL, "%.100s has neither an exact answer nor a stored reference", asked);
     if (p->config->view || !has_reference(p->config->scene))
-        return pm__fail(error, PM_EINVAL, "%s has no exact answer, and no stored reference but for its defaults",
-                        p->stage.subject->entry.name);
+        return pm__fail(error, PM_EINVAL, "%.60s has no exact answer, and the stored reference of scene:%.30s is of "
+                                          "its defaults%s alone",
+                        asked, name, p->config->view ? " and own view" : "");
     pm_status status = pm__reference_load(name, &reference, error);
     if (status == PM_OK)
         status = take_blocks(p, &reference.radiance, y, error);
@@ -187,7 +192,11 @@ pm_status pm__yardstick_create(const pm__progression *progression, const bool *l
     }
     for (size_t i = 0; i < 3 * yardstick->values; i++)
         yardstick->truth_mean += fabs(yardstick->truth[i]) / (3.0 * (double)yardstick->values);
-    return PM_OK;
+    if (yardstick->truth_mean > 0.0)
+        return PM_OK;
+    pm__yardstick_destroy(yardstick);
+    return pm__fail(error, PM_EINVAL, "the image of %s is black where its truth is known: there is no relative error",
+                    progression->stage.subject->entry.name);
 }
 
 void pm__yardstick_destroy(pm__yardstick *yardstick)

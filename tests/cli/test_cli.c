@@ -72,10 +72,34 @@ START_TEST(list_of_scenes)
 {
     const char *const out = pm__expect("list scenes", 0, NULL)->out;
     const char *const parts[] = {"Scenes   --case scene:NAME", "\n  scene:furnace ",
-                                 "exact answer: of light paths LSSD"};
+                                 "exact answer: of light paths LSSD: for accuracy, converge and advise\n",
+                                 "its defaults have a stored\n",
+                                 "   reference of 128x128: for converge and advise too\n"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         ck_assert_msg(strstr(out, parts[i]) != NULL, "no '%s' in: %.2000s", parts[i], out);
     check_width(out);
+}
+END_TEST
+
+/* By what methods can be judged there: an exact answer, or else a reference. */
+START_TEST(list_of_scenes_as_json)
+{
+    json_t *const root = pm__expect_json("list scenes --json -"), *row;
+    size_t i, references = 0;
+    json_array_foreach(json_object_get(root, "rows"), i, row) {
+        const char *const name = json_string_value(json_object_get(row, "name"));
+        const json_t *const reference = json_object_get(row, "reference");
+        pm__check_keys(row, "kind name summary citation parameters paths regions reference");
+        if (json_is_string(json_object_get(row, "paths")))
+            ck_assert(json_is_null(reference));
+        if (strcmp(name, "scene:cornell") == 0)
+            ck_assert_str_eq(json_string_value(reference), "128x128");
+        if (strcmp(name, "scene:torus") == 0)
+            ck_assert_str_eq(json_string_value(reference), "32x32");
+        references += json_is_string(reference);
+    }
+    ck_assert_uint_ge(references, 2);
+    json_decref(root);
 }
 END_TEST
 
@@ -224,5 +248,5 @@ START_TEST(output_file)
 }
 END_TEST
 
-PM_TEST_MAIN("cli", version, overview, help_of_commands, list_of_everything, list_of_scenes, list_as_json,
-             list_as_tables, every_usage_error, standard_output_fails, output_file)
+PM_TEST_MAIN("cli", version, overview, help_of_commands, list_of_everything, list_of_scenes, list_of_scenes_as_json,
+             list_as_json, list_as_tables, every_usage_error, standard_output_fails, output_file)

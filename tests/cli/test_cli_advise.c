@@ -2,6 +2,9 @@
  * there is one estimator and no bias: the smallest map is the cheapest then. */
 #include "../program.h"
 
+#include <stdbool.h>
+#include <unistd.h>
+
 #define TINY "--estimator disc:last=none --method map --probes 200 --photons 8000 --seconds 1 "
 
 static json_t *row_of(json_t *root, size_t index)
@@ -101,6 +104,116 @@ START_TEST(the_command_of_passes_does_so_too)
 }
 END_TEST
 
+static bool is_null(const json_t *row, const char *field)
+{
+    return json_is_null(json_object_get(row, field));
+}
+
+/* What a method has not is not told, and not asked for by the command, which does the same all the same. */
+START_TEST(methods_have_what_they_have)
+{
+    char command[1200];
+    json_t *const root = pm__expect_json("advise furnace --error 20% --verify --method path,light "
+                                         "--estimator disc,cone --photons 2000000 --seconds 1 --json -");
+    ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 2);
+    for (size_t i = 0; i < 2; i++) {
+        json_t *const row = row_of(root, i);
+        const bool path = strcmp(text(row, "method"), "path") == 0;
+        ck_assert_str_eq(text(row, "status"), "ok");
+        ck_assert(is_null(row, "estimator") && is_null(row, "k") && is_null(row, "photons") == path);
+        ck_assert(strstr(text(row, "command"), "--estimator") == NULL && strstr(text(row, "command"), "--k") == NULL);
+        ck_assert(strstr(text(row, "command"), "--alpha") == NULL);
+        ck_assert((strstr(text(row, "command"), "--photons-per-pass") == NULL) == path);
+    }
+    json_t *const row = row_of(root, 0);
+    (void)snprintf(command, sizeof command, "%s --json -", text(row, "command") + strlen("photonbench "));
+    json_t *const again = pm__expect_json(command);
+    json_t *const rows = json_object_get(again, "rows"), *const last = json_array_get(rows, json_array_size(rows) - 1);
+    ck_assert_double_eq(number(last, "rel_rmse"), number(row, "reached_rel_rmse"));
+    json_decref(again);
+    json_decref(root);
+}
+END_TEST
+
+/* A point light through glass is found by neither: no number of passes helps, and one shows it. */
+START_TEST(what_passes_cannot_mend)
+{
+    const pm__run *const run = pm__expect("advise plate --error 5% --method path,light --seconds 1 --json -", 1,
+                                          "out of reach");
+    json_error_t error;
+    json_t *const root = json_loads(run->out, 0, &error);
+    ck_assert_ptr_nonnull(root);
+    for (size_t i = 0; i < 2; i++) {
+        json_t *const row = row_of(root, i);
+        ck_assert_str_eq(text(row, "status"), "unreachable");
+        ck_assert_double_eq(number(row, "passes"), 1.0);
+        ck_assert_ptr_nonnull(strstr(text(row, "detail"), "every pass gives the same answer: "));
+    }
+    json_decref(root);
+    const char *out = pm__expect("advise furnace --error 0.0001% --method pppm --seconds 0.5", 1, "out of reach")->out;
+    ck_assert_ptr_nonnull(strstr(out, "after 1000000 passes, the most that are considered, "));
+    out = pm__expect("advise furnace --error 1% --method pppm --seconds 0.5 --photons 20000", 1, "out of reach")->out;
+    ck_assert_ptr_nonnull(strstr(out, "after 1 pass, the most that so few photons allow, "));
+}
+END_TEST
+
+/* Maps are judged by an exact answer: without one they are not among the defaults. */
+START_TEST(a_reference_alone)
+{
+    json_t *const root = pm__expect_json("advise lamp --error 60% --seconds 1 --json -");
+    ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 1);
+    ck_assert_str_eq(text(row_of(root, 0), "method"), "pppm");
+    json_decref(root);
+    (void)pm__expect("advise lamp:albedo=0.5 --error 20%", 2,
+                     "advise: scene:lamp:albedo=0.5 has no exact answer, and the stored reference of scene:lamp is of "
+                     "its defaults alone");
+}
+END_TEST
+
+/* Nothing is smaller than one pass: better is well then. */
+START_TEST(better_is_well_where_nothing_is_smaller)
+{
+    json_t *const root = pm__expect_json("advise furnace --error 50% --method pppm --verify --seconds 0.5 --json -");
+    json_t *const row = row_of(root, 0);
+    ck_assert_double_lt(number(row, "ratio"), 0.75);
+    ck_assert_str_eq(text(row, "status"), "ok");
+    ck_assert_ptr_nonnull(strstr(text(row, "detail"), "the least there is"));
+    json_decref(root);
+}
+END_TEST
+
+/* The check of so small an error takes minutes; what was known before is shown all the same. How long the pilots take
+ * depends on the machine. */
+START_TEST(interrupted_while_it_verifies)
+{
+    const pm__test_directory place = pm__test_directory_create();
+    char json[PM__TEST_PATH], out[PM__TEST_PATH], err[PM__TEST_PATH], said[1000] = "", arguments[2 * PM__TEST_PATH];
+    (void)snprintf(arguments, sizeof arguments, "advise furnace --error 0.2%% --method ppm --seconds 0.5 --verify "
+                   "--json %s", pm__test_path(&place, "a.json", json));
+    for (unsigned seconds = 2; seconds < 100 && !strstr(said, "the advice is not verified"); seconds *= 2) {
+        const pid_t child = pm__start(arguments, pm__test_path(&place, "out", out), pm__test_path(&place, "err", err));
+        (void)sleep(seconds);
+        ck_assert_int_eq(kill(child, SIGINT), 0);
+        ck_assert_int_eq(pm__wait(child), 130);
+        ck_assert_int_gt(pm__test_read(err, said, sizeof said), 0);
+        ck_assert_ptr_nonnull(strstr(said, "advise: interrupted: "));
+    }
+    json_t *const root = json_load_file(json, 0, NULL);
+    ck_assert_ptr_nonnull(root);
+    json_t *const row = row_of(root, 0);
+    ck_assert(json_is_true(json_object_get(root, "interrupted")));
+    ck_assert_str_eq(text(row, "status"), "interrupted");
+    ck_assert_str_eq(text(row, "detail"), "its verification was interrupted");
+    ck_assert(json_is_true(json_object_get(row, "advised")));
+    ck_assert(is_null(row, "ratio") && is_null(row, "reached_rel_rmse"));
+    ck_assert_double_gt(number(row, "passes"), 1000.0);
+    ck_assert_int_gt(pm__test_read(out, said, sizeof said), 0);
+    ck_assert_ptr_nonnull(strstr(said, "\n* ppm "));
+    json_decref(root);
+    pm__test_directory_remove(&place);
+}
+END_TEST
+
 START_TEST(out_of_reach_says_what_is_not)
 {
     const pm__run *const run =
@@ -140,15 +253,21 @@ START_TEST(refusals)
     (void)pm__expect("advise square --error nan", 2, "no error above 0");
     (void)pm__expect("advise square --error %", 2, "no error above 0");
     (void)pm__expect("advise squar --error 2%", 2, "did you mean 'square'");
+    (void)pm__expect("advise glas-sphere --error 2%", 2, "did you mean 'glass-sphere'");
+    (void)pm__expect("advise scene:glas-sphere --error 2%", 2, "did you mean 'scene:glass-sphere'");
+    (void)pm__expect("advise qqqqqqqq --error 2%", 2, "'photonbench list scenes' show them");
+    (void)pm__expect("advise all --error 2%", 2, "one case or scene at a time");
     (void)pm__expect("advise square,edge --error 2%", 2, "one case or scene at a time");
     (void)pm__expect("advise square --error 2% --method mapp", 2, "did you mean 'map'");
     (void)pm__expect("advise square --error 2% --method pppm", 2, "takes a scene");
     (void)pm__expect("advise square --error 2% --estimator disk", 2, "did you mean 'disc'");
     (void)pm__expect("advise square --error 2% --photons 50", 2, "too few to learn from");
-    (void)pm__expect("advise cornell --error 2% --method map", 2, "no exact answer");
+    (void)pm__expect("advise cornell --error 2% --method map", 2, "no exact answer, which maps are judged by");
     (void)pm__expect("advise gradient --error 20% " TINY "--quiet --json /dev/full -o /dev/null", 4, "full");
 }
 END_TEST
 
 PM_TEST_MAIN("cli advise", fields_are_the_contract, ways_to_say_the_same, the_command_does_what_verify_did,
-             the_command_of_passes_does_so_too, out_of_reach_says_what_is_not, screen_is_100_columns, refusals)
+             the_command_of_passes_does_so_too, methods_have_what_they_have, what_passes_cannot_mend,
+             a_reference_alone, better_is_well_where_nothing_is_smaller, interrupted_while_it_verifies,
+             out_of_reach_says_what_is_not, screen_is_100_columns, refusals)

@@ -267,7 +267,7 @@ static const struct {
     {"plate water --radius 0.5", "--radius was null and is 0.5 now"},
     {"plate water --seconds 50", "--seconds was null and is 50"},
     {"plate water --at 1,1", "--at was [] and is [[1,1]] now"},
-    {"plate water --alpha 0.5", "--alpha was [0.667"},
+    {"plate water --alpha 0.5", "--alpha was [0.667] and is [0.5] now"},
     {"plate water --method pppm", "--method was [\"ppm:flux=corrected,start=zero\"] and is [\"pppm\"] now"},
     {"plate water --estimator cone", "--estimator was [\"disc:last=full\"] and is "},
     {"plate water --sampler sobol", "--sampler was [\"poisson\"] and is [\"sobol\"] now"},
@@ -362,7 +362,17 @@ START_TEST(usage_and_bad_paths)
     (void)pm__expect("converge plate --size 1024x1024 --trials 1000 --checkpoint /nonexistent/a", 4,
                      "/nonexistent/a: cannot be opened");
     (void)pm__expect("converge plate --resume /dev/zero", 3, "no regular file");
-    (void)pm__expect(SMALL "--checkpoint /dev/full", 4, "/dev/full: cannot be written");
+    (void)pm__expect("converge plate --size 1024x1024 --trials 1000 --checkpoint /dev/full", 4,
+                     "/dev/full: cannot be written: a checkpoint is a regular file");
+    /* A pipe, which opening would wait at; what is there stays as it was. */
+    ck_assert_int_eq(mkfifo(state, 0600), 0);
+    (void)pm__expect(with_state(SMALL "--checkpoint @"), 4, "state: cannot be written: a checkpoint is a regular file");
+    ck_assert_int_eq(unlink(state), 0);
+    pm__test_write(state, "kept", 4);
+    (void)pm__expect(with_state(SMALL "--checkpoint @ --csv /nonexistent/a.csv"), 4, "/nonexistent/a.csv");
+    char kept[8];
+    ck_assert_int_eq(pm__test_read(state, kept, sizeof kept), 4);
+    ck_assert_int_eq(unlink(state), 0);
     ck_assert_int_eq(pm__test_directory_entries(&place, 0), 0);
     tear_down();
 }

@@ -265,6 +265,11 @@ START_TEST(what_cannot_be_measured)
     ck_assert_ptr_nonnull(strstr(run->out, "\n  unsupported: combined"));
     check_width(run->out);
     ck_assert_str_eq(pm__expect("converge plate " TINY "--estimator combined", 2, "combined")->out, "");
+    (void)pm__expect("converge plate " TINY "--method ppm:flux=printed --error 3%", 2,
+                     "ppm:flux=printed cannot estimate its own error: that takes a mean of passes in which noise");
+    (void)pm__expect("converge wall " TINY, 2, "is black where its truth is known: there is no relative error");
+    (void)pm__expect("converge cornell:albedo=0.5 " TINY, 2,
+                     "the stored reference of scene:cornell is of its defaults");
     ck_assert_str_eq(pm__expect("converge corner wall " TINY "--estimator hull,combined", 2, "hull")->out, "");
 }
 END_TEST
@@ -355,6 +360,36 @@ START_TEST(seconds_end_it)
 }
 END_TEST
 
+/* No limit on photons ends what emits none: what does must be asked for. */
+START_TEST(photons_end_what_emits_them)
+{
+    json_t *const root = pm__expect_json("converge furnace " TINY
+                                         "--passes 5 --photons 4000 --method path,light --json -");
+    ck_assert_uint_eq(count_of(root, "rows"), 4 + 2);
+    ck_assert(is_null(at(root, "rows", 3), "photons"));
+    ck_assert_double_eq(number_of(at(root, "rows", 3), "pass"), 5.0);
+    ck_assert_double_eq(number_of(at(root, "rows", 5), "pass"), 2.0);
+    ck_assert_double_eq(number_of(at(root, "rows", 5), "photons"), 4000.0);
+    json_decref(root);
+    ck_assert_ptr_nonnull(strstr(pm__expect("converge furnace " TINY "--method path", 0, NULL)->out,
+                                 "\n      1         - "));
+    (void)pm__expect("converge furnace --photons 4000 --method ppm,path", 2, "--photons does not end path, which emits "
+                     "none: it needs --passes, --seconds or --error too");
+    (void)pm__expect("converge furnace --photons 4000 --size 2x2 --trials 2 --method path --seconds 0.01 --quiet", 0,
+                     NULL);
+}
+END_TEST
+
+/* Two alphas that differ look different. */
+START_TEST(alpha_in_full)
+{
+    const char *const out = pm__expect("converge plate " TINY "--alpha 0.66666666666666663,0.667", 0, NULL)->out;
+    ck_assert_ptr_nonnull(strstr(out, ", alpha 0.6666666666666666;"));
+    ck_assert_ptr_nonnull(strstr(out, ", alpha 0.667;"));
+    ck_assert_ptr_nonnull(strstr(out, "after 1 pass the bias is not"));
+}
+END_TEST
+
 /* In percent or not it is the same error; rows and table say what came of it. A method that cannot is a row that says
  * so. */
 START_TEST(an_error_ends_it)
@@ -422,4 +457,5 @@ END_TEST
 PM_TEST_MAIN("cli converge", rows_have_the_contract, fits_stand_beside_rows, watched_pixels, options_are_echoed,
              series_are_all_combinations, threads_do_not_matter, screen_is_100_columns, rows_as_tables,
              what_cannot_be_measured, every_usage_error, complete_or_absent, a_first_radius, seconds_end_it,
+             photons_end_what_emits_them, alpha_in_full,
              an_error_ends_it, interrupted)

@@ -25,10 +25,12 @@ static const pm__progressive *method_of(const pm__progressive_config *config)
 static pm_status check_estimates(const pm__progressive_config *config, pm_error *error)
 {
     const pm__progressive *const method = method_of(config);
-    if (config->estimates && !(method->averages && method->averages(config->method->values)))
-        return pm__fail(error, PM_EINVAL, "%s cannot estimate its own error: it is no mean of passes that but blur",
-                        method->entry.name);
-    return PM_OK;
+    char name[PM__MAX_SPEC];
+    if (!config->estimates || (method->averages && method->averages(config->method->values)))
+        return PM_OK;
+    pm__spec_format_short(config->method, name, sizeof name);
+    return pm__fail(error, PM_EINVAL, "%.60s cannot estimate its own error: that takes a mean of passes in which noise "
+                                      "and blur are all that is wrong", name);
 }
 
 static pm_status check(const pm__progressive_config *config, pm_error *error)

@@ -171,6 +171,11 @@ typedef struct pm__progressive {
     void (*release)(pm__run *run); /* what `own` holds; may be NULL */
 } pm__progressive;
 
+/* Does it look photons up, so that a kernel and k matter? */
+static inline bool pm__progressive_looks_up(const pm__progressive *method)
+{
+    return method->uses_photons && !method->no_lookups;
+}
 static inline const pm__progressive *pm__progressive_of(const pm__run *run)
 {
     return (const pm__progressive *)(const void *)run->of->config->method->entry;
