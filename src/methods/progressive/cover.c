@@ -1,0 +1,238 @@
+#include "cover.h"
+
+#include "../../base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Cells are about so many radii wide: of fewer a point touches more, of more a photon meets more points in vain. */
+static const double radii_a_cell = 3.0;
+/* A cell listed for each point at most, on average. */
+static const double most_listed = 8.0;
+/* Cells for each point at most, and in any case. */
+enum { CELLS_A_POINT = 12, LEAST_CELLS = 4096 };
+/* Steps across what a cell lists. */
+static const double steps = 65000.0;
+/* What is listed reaches a little farther than single precision may find. */
+static const double beyond = 1.0 + 1e-5;
+
+bool pm__run_splats(const pm__run *run)
+{
+    const pm__progressive *const method = pm__progressive_of(run);
+    const pm__progressive_config *const config = run->of->config;
+    if (!method->shrinks || method->redraws || method->pass || config->search)
+        return false;
+    const pm__estimator *const kernel = pm__estimator_of(&config->estimator->spec);
+    return kernel->weight && !kernel->needs && pm__map_count_of(&config->estimator->spec) == 1;
+}
+
+void pm__cover_free(pm__cover *cover)
+{
+    if (!cover)
+        return;
+    free(cover->starts);
+    free(cover->listed);
+    free(cover->now);
+    free(cover->built);
+    free(cover->share);
+    for (size_t i = 0; i < cover->gift_lists; i++)
+        free(cover->gifts[i].items);
+    free(cover->gifts);
+    free(cover);
+}
+
+/* ---- Points ------------------------------------------------------------------------------------ */
+
+float pm__cover_radius(const pm__run *run, size_t point)
+{
+    const pm__progressive *const method = pm__progressive_of(run);
+    size_t k = 0;
+    double radius = 0.0;
+    method->ask(run, point, run->state + point * method->fields, &k, &radius);
+    return radius > 0.0 ? (float)radius : 0.0f;
+}
+
+bool pm__cover_follow(pm__cover *cover, const pm__run *run)
+{
+    bool holds = true;
+    cover->area = 0.0;
+    for (size_t i = 0; i < run->of->points; i++) {
+        const float radius = run->of->fixed[i].material ? pm__cover_radius(run, i) : 0.0f;
+        cover->now[i].radius = radius;
+        cover->area += (double)radius * (double)radius;
+        holds = holds && radius <= cover->built[i];
+    }
+    return holds;
+}
+
+static void note_point(const pm__run *run, size_t i, pm__cover *cover)
+{
+    const pm__hit_point *const point = &run->of->fixed[i];
+    double brdf[3] = {1.0, 1.0, 1.0};
+    cover->built[i] = cover->now[i].radius = point->material ? pm__cover_radius(run, i) : 0.0f;
+    cover->listed_area += (double)cover->built[i] * (double)cover->built[i];
+    if (!point->material)
+        return;
+    if (point->material->kind == PM__DIFFUSE)
+        pm__hit_point_brdf(point, point->normal, brdf);
+    else
+        cover->uneven = true;
+    for (int a = 0; a < 3; a++) {
+        cover->now[i].position[a] = (float)point->position[a];
+        cover->now[i].normal[a] = (float)point->normal[a];
+        cover->share[i][a] = point->weight[a] * brdf[a];
+    }
+}
+
+/* ---- Cells ------------------------------------------------------------------------------------- */
+
+/* Half the side of the box about the point's ball, m; 0: it has none. */
+static double reach_of(const pm__cover *cover, size_t i)
+{
+    return beyond * (double)cover->built[i];
+}
+
+/* The box about all balls. */
+static void find_box(const pm__run *run, const pm__cover *cover, double low[3], double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+    }
+    for (size_t i = 0; i < run->of->points; i++) {
+        const double reach = reach_of(cover, i);
+        for (int a = 0; a < 3 && reach > 0.0; a++) {
+            low[a] = fmin(low[a], run->of->fixed[i].position[a] - reach);
+            high[a] = fmax(high[a], run->of->fixed[i].position[a] + reach);
+        }
+    }
+}
+
+/* About how many entries cells of this edge need. */
+static double estimate_listed(const pm__run *run, const pm__cover *cover, double edge)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < run->of->points; i++) {
+        const double reach = reach_of(cover, i), along = 1.0 + 2.0 * reach / edge;
+        sum += reach > 0.0 ? along * along * along : 0.0;
+    }
+    return sum;
+}
+
+/* false: there is no ball, or none of any size. */
+static bool choose_cells(const pm__run *run, pm__cover *cover)
+{
+    double high[3], edge = radii_a_cell * sqrt(cover->listed_area / (double)run->of->points);
+    const double points = (double)run->of->points;
+    find_box(run, cover, cover->low, high);
+    if (!(edge > 0.0) || !isfinite(edge))
+        return false;
+    for (;; edge *= 1.25) {
+        double cells = 1.0;
+        for (int a = 0; a < 3; a++)
+            cells *= floor((high[a] - cover->low[a]) / edge) + 1.0;
+        if (cells <= fmax(CELLS_A_POINT * points, LEAST_CELLS) &&
+            (cells < 2.0 || estimate_listed(run, cover, edge) <= most_listed * points))
+            break;
+    }
+    double reach = 0.0;
+    for (size_t i = 0; i < run->of->points; i++)
+        reach = fmax(reach, reach_of(cover, i));
+    cover->edge = edge;
+    cover->inverse_edge = 1.0 / edge;
+    cover->margin = reach;
+    cover->step = (edge + 2.0 * reach) / steps;
+    cover->inverse_step = 1.0 / cover->step;
+    for (int a = 0; a < 3; a++)
+        cover->cells[a] = (size_t)floor((high[a] - cover->low[a]) * cover->inverse_edge) + 1;
+    return true;
+}
+
+/* The cells that the point's ball may touch: from[a] <= c <= to[a]; false: none. */
+static bool touched(const pm__run *run, const pm__cover *cover, size_t i, size_t from[3], size_t to[3])
+{
+    const double reach = reach_of(cover, i);
+    for (int a = 0; a < 3 && reach > 0.0; a++) {
+        const double at = run->of->fixed[i].position[a] - cover->low[a], most = (double)cover->cells[a] - 1.0;
+        from[a] = (size_t)fmin(fmax(floor((at - reach) * cover->inverse_edge), 0.0), most);
+        to[a] = (size_t)fmin(fmax(floor((at + reach) * cover->inverse_edge), 0.0), most);
+    }
+    return reach > 0.0;
+}
+
+/* Rounded to the nearest step, of the centre by half a one an axis at most; of photons single precision rounds less. */
+static pm__listed entry_of(const pm__run *run, const pm__cover *cover, size_t i, const size_t cell[3])
+{
+    pm__listed entry = {.point = (uint32_t)i};
+    for (int a = 0; a < 3; a++) {
+        const double offset = run->of->fixed[i].position[a] - cover->low[a] - (double)cell[a] * cover->edge;
+        entry.position[a] = (uint16_t)fmin(fmax((offset + cover->margin) * cover->inverse_step + 0.5, 0.0), 65535.0);
+    }
+    entry.radius = (uint16_t)fmin(ceil(reach_of(cover, i) * cover->inverse_step) + 2.0, 65535.0);
+    return entry;
+}
+
+/* Without `listed` counts what each cell lists into starts; with it fills in, each cell's start running to its end. */
+static void list_points(const pm__run *run, pm__cover *cover)
+{
+    size_t from[3], to[3];
+    for (size_t i = 0; i < run->of->points; i++) {
+        if (!touched(run, cover, i, from, to))
+            continue;
+        for (size_t z = from[2]; z <= to[2]; z++)
+            for (size_t y = from[1]; y <= to[1]; y++)
+                for (size_t x = from[0]; x <= to[0]; x++) {
+                    uint32_t *const start = &cover->starts[(z * cover->cells[1] + y) * cover->cells[0] + x];
+                    if (cover->listed)
+                        cover->listed[*start] = entry_of(run, cover, i, (size_t[3]){x, y, z});
+                    (*start)++;
+                }
+    }
+}
+
+static bool list_all(const pm__run *run, pm__cover *cover)
+{
+    const size_t cells = cover->cells[0] * cover->cells[1] * cover->cells[2];
+    uint32_t before = 0;
+    cover->starts = pm__alloc_zero(cells + 1, sizeof *cover->starts);
+    if (!cover->starts)
+        return false;
+    list_points(run, cover);
+    for (size_t c = 0; c <= cells; c++) {
+        const uint32_t here = cover->starts[c];
+        cover->starts[c] = before;
+        before += here;
+    }
+    cover->listed = pm__alloc((size_t)before + 1, sizeof *cover->listed);
+    if (!cover->listed)
+        return false;
+    list_points(run, cover);
+    memmove(cover->starts + 1, cover->starts, cells * sizeof *cover->starts); /* each stands at its cell's end */
+    cover->starts[0] = 0;
+    return true;
+}
+
+pm_status pm__cover_make(const pm__run *run, pm__cover **cover, pm_error *error)
+{
+    const size_t points = run->of->points;
+    pm__cover *const made = calloc(1, sizeof *made);
+    *cover = made;
+    if (made) {
+        made->now = pm__alloc_zero(points, sizeof *made->now);
+        made->built = pm__alloc(points, sizeof *made->built);
+        made->share = pm__alloc_zero(points, sizeof *made->share);
+    }
+    bool room = made && made->now && made->built && made->share;
+    for (size_t i = 0; i < points && room; i++)
+        note_point(run, i, made);
+    if (room) {
+        made->area = made->listed_area;
+        room = choose_cells(run, made) ? list_all(run, made) : true;
+    }
+    if (room)
+        return PM_OK;
+    pm__cover_free(made);
+    *cover = NULL;
+    return pm__fail(error, PM_ENOMEM, "out of memory for %zu points", points);
+}
