@@ -69,7 +69,7 @@ PM__INLINE pm__march pm__wave_begin(const pm__shape *shape, const double o[3], c
                        .sine = sine,
                        .cosine = cosine,
                        .side = tells < 0.0 ? -1.0 : 1.0,
-                       .goes_on = enter < over->last};
+                       .goes_on = (enter < over->last) & (over->tolerance < (double)INFINITY)};
 }
 
 /* On by one step. The height is kept up by differences, as products: exact for short steps from the wave. A root that
@@ -80,7 +80,8 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double square = s * s + 2.0 * over->bend * h, root = sqrt(square > 0.0 ? square : 0.0);
     const bool falls = s < 0.0;
     const double ratio = (falls ? 2.0 * h : s + root) / (falls ? root - s : over->bend);
-    const double step = falls | (ratio > over->tolerance) ? ratio : over->tolerance;
+    /* Off a point where neither slope nor bend leads away, a little at a time. */
+    const double creep = 1e3 * over->tolerance, step = falls | !(ratio < creep) ? ratio : creep;
     /* What is left after a step e is below bend e^2 / |s|. */
     const double left = over->bend * step * step, small = 0.25 * over->tolerance * -s;
     const bool is_last = falls & ((step <= over->tolerance) | (left <= small));
@@ -91,7 +92,7 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double sine = m->sine * twice_along + m->cosine * twice_across;
     const double cosine = m->cosine * twice_along - m->sine * twice_across;
     const double t = m->t + step, height = m->height + (over->climb * step + 2.0 * amplitude * middle * across);
-    const bool is_within = t <= over->last, is_taken = t > over->least;
+    const bool is_within = t <= over->last, is_taken = t > over->least; /* NaN, along a plane wave, is not within */
     m->t = t;
     m->sine = sine;
     m->cosine = cosine;

@@ -32,8 +32,8 @@ static void check_states(const setting *s, const pm__run *a, const pm__run *b)
     const size_t count = pm__run_state_count(a->of);
     for (size_t i = 0; i < count; i++)
         ck_assert_msg(fabs(a->state[i] - b->state[i]) <= 1e-9 * fmax(fabs(a->state[i]), fabs(b->state[i])),
-                      "%s, %s, %s, radius %g, pass %u: %.17g, expected %.17g", s->scene, s->method, s->kernel, s->radius,
-                      a->passes, a->state[i], b->state[i]);
+                      "%s, %s, %s, radius %g, pass %u: %.17g, expected %.17g", s->scene, s->method, s->kernel,
+                      s->radius, a->passes, a->state[i], b->state[i]);
 }
 
 static void check_setting(const setting *s)
@@ -59,11 +59,14 @@ static void check_setting(const setting *s)
 START_TEST(as_by_a_search)
 {
     static const setting settings[] = {
-        {"scene:cornell", "ppm", "disc", 0.05, true},         {"scene:cornell", "ppm", "epanechnikov", 0.2, true},
-        {"scene:cornell", "ppm", "disc", 0.0, false},         {"scene:cornell-diffuse", "ppm:start=first", "cone", 0.0, true},
+        {"scene:cornell", "ppm", "disc", 0.05, true},
+        {"scene:cornell", "ppm", "epanechnikov", 0.2, true},
+        {"scene:cornell", "ppm", "disc", 0.0, false},
+        {"scene:cornell-diffuse", "ppm:start=first", "cone", 0.0, true},
         {"scene:cognac", "ppm", "disc", 0.02, true}, /* a floor that does not scatter evenly */
-        {"scene:glossy-plane", "ppm", "gaussian", 0.1, true}, {"scene:furnace", "ppm:flux=printed", "disc", 0.8, false},
-        {"scene:furnace", "ppm", "disc", 3.0, false},         /* all photons at every point */
+        {"scene:glossy-plane", "ppm", "gaussian", 0.1, true},
+        {"scene:furnace", "ppm:flux=printed", "disc", 0.8, false},
+        {"scene:furnace", "ppm", "disc", 3.0, false}, /* all photons at every point */
     };
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
         check_setting(&settings[i]);
