@@ -49,8 +49,10 @@ PM__INLINE pm__march pm__wave_begin(const pm__shape *shape, const double o[3], c
     double low = 0.0, high = (double)INFINITY, sine, cosine;
     pm__wave_clip(o[0], d[0], shape->extent[0] + slack, &low, &high);
     pm__wave_clip(o[1], d[1], shape->extent[1] + slack, &low, &high);
-    /* A little higher than the wave: the height has its right sign where the ray comes in. */
-    pm__wave_clip(o[2] - shape->centre[2], d[2], fabs(a) * (1.0 + 1e-9) + 64.0 * slack, &low, &high);
+    /* A little higher than the wave, more so from far off: the height has its right sign where the ray comes in. */
+    const double away = fabs(o[2] - shape->centre[2]), rounding = 0x1p-48 * away;
+    const double margin = rounding > 64.0 * slack ? rounding : 64.0 * slack;
+    pm__wave_clip(o[2] - shape->centre[2], d[2], fabs(a) * (1.0 + 1e-9) + margin, &low, &high);
     const double enter = leaves ? 0.0 : low;
     const double x = o[0] + enter * d[0], z = o[2] + enter * d[2] - shape->centre[2];
     pm__turns(shape->wavenumber * PM__PER_RADIAN * x, &sine, &cosine);
@@ -80,10 +82,14 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double square = s * s + 2.0 * over->bend * h, root = sqrt(square > 0.0 ? square : 0.0);
     const bool falls = s < 0.0;
     const double ratio = (falls ? 2.0 * h : s + root) / (falls ? root - s : over->bend);
-    const double step = falls | (ratio > over->tolerance) ? ratio : over->tolerance;
+    /* 0 over 0, a ray that stays as high as it is: not a number, which ends the march. */
+    const double wanted = falls | !(ratio <= over->tolerance) ? ratio : over->tolerance;
     /* What is left after a step e is below bend e^2 / |s|. */
-    const double left = over->bend * step * step, small = 0.25 * over->tolerance * -s;
-    const bool is_last = falls & ((step <= over->tolerance) | (left <= small));
+    const double left = over->bend * wanted * wanted, small = 0.25 * over->tolerance * -s;
+    const bool is_near = wanted <= over->tolerance, is_last = falls & (is_near | (left <= small));
+    const bool is_taken = m->t + wanted > over->least;
+    /* On at any rate: where the ray but touches the wave it would go from side to side in one place. */
+    const double step = is_last & is_near & !is_taken ? over->tolerance : wanted;
     double across, along;
     pm__turns(over->turns * step, &across, &along);
     const double middle = m->sine * along + m->cosine * across; /* of the phase half-way */
@@ -91,7 +97,7 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double sine = m->sine * twice_along + m->cosine * twice_across;
     const double cosine = m->cosine * twice_along - m->sine * twice_across;
     const double t = m->t + step, height = m->height + (over->climb * step + 2.0 * amplitude * middle * across);
-    const bool is_within = t <= over->last, is_taken = t > over->least;
+    const bool is_within = t <= over->last;
     m->t = t;
     m->sine = sine;
     m->cosine = cosine;
