@@ -1,5 +1,5 @@
-/* Meshes of random heights over a rectangle, for tests: a cell is two triangles. Seen along any axis, facing along it or
- * against it. */
+/* Meshes of random heights over a rectangle, for tests: a cell is two triangles. Seen along any axis, facing along it
+ * or against it. */
 #ifndef PM_TESTS_TERRAIN_H
 #define PM_TESTS_TERRAIN_H
 

@@ -83,13 +83,14 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const bool falls = s < 0.0;
     const double ratio = (falls ? 2.0 * h : s + root) / (falls ? root - s : over->bend);
     /* 0 over 0, a ray that stays as high as it is: not a number, which ends the march. */
-    const double wanted = falls | !(ratio <= over->tolerance) ? ratio : over->tolerance;
+    const bool is_far = falls | !(ratio <= over->tolerance);
+    const double wanted = is_far ? ratio : over->tolerance;
     /* What is left after a step e is below bend e^2 / |s|. */
     const double left = over->bend * wanted * wanted, small = 0.25 * over->tolerance * -s;
     const bool is_near = wanted <= over->tolerance, is_last = falls & (is_near | (left <= small));
-    const bool is_taken = m->t + wanted > over->least;
+    const bool is_taken = m->t + wanted > over->least, stays = is_last & is_near & !is_taken;
     /* On at any rate: where the ray but touches the wave it would go from side to side in one place. */
-    const double step = is_last & is_near & !is_taken ? over->tolerance : wanted;
+    const double step = stays ? over->tolerance : wanted;
     double across, along;
     pm__turns(over->turns * step, &across, &along);
     const double middle = m->sine * along + m->cosine * across; /* of the phase half-way */

@@ -1,5 +1,5 @@
-/* Lights chosen for many photons at once: those that are chosen one by one, also where a photon's number is the very end
- * of a light's share; and whether a scene absorbs. */
+/* Lights chosen for many photons at once: those that are chosen one by one, also where a photon's number is the very
+ * end of a light's share; and whether a scene absorbs. */
 #include "../../cases/scenes/list.h"
 #include "../../src/transport/emission.h"
 #include "../lit.h"
@@ -110,8 +110,8 @@ static size_t lamp_of(const pm__scene *scene, uint64_t number, bool together)
 }
 
 /* Of u, the photon's own number of 42 bits, two lamps of 1 W in all have shares [0, u) and [u, 1): the photon is the
- * second's. A share of one unit more, and it is the first's. Both powers, and their sum, are exact. The same with a lamp
- * before them, where u begins the third's. */
+ * second's. A share of one unit more, and it is the first's. Both powers, and their sum, are exact. The same with a
+ * lamp before them, where u begins the third's. */
 START_TEST(test_ends_of_shares)
 {
     for (uint64_t number = 0; number < 200; number++) {
@@ -185,7 +185,8 @@ START_TEST(test_absorbed_in_part)
     static const double absorption[3] = {0.5, 2.0, 0.0};
     const pm__material ball = {.kind = PM__GLASS, .ior = {1.0, 1.0, 1.0}, .absorption = {0.5, 2.0, 0.0}};
     const pm__light lamp = {.kind = PM__POINT, .power = {1.0, 2.0, 3.0}, .position = {0.3, 0.2, 0.1}};
-    const pm__placement place = {.rotation = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, .scale = 1.0, .offset = {0.3, 0.2, 0.1}};
+    const pm__placement place = {.rotation = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, .scale = 1.0,
+                                .offset = {0.3, 0.2, 0.1}};
     for (int in_part = 0; in_part < 2; in_part++) {
         pm__scene *const scene = lit_create(), *part = scene;
         pm_error error;

@@ -176,8 +176,8 @@ START_TEST(test_rays_that_leave)
 }
 END_TEST
 
-/* From near the lower end of the steepest triangle up its slope: by a hundredth flatter than that the way runs under the
- * surface and has to come out again, unless the border is nearer; by a hundredth steeper it runs over it. */
+/* From near the lower end of the steepest triangle up its slope: by a hundredth flatter than that the way runs under
+ * the surface and has to come out again, unless the border is nearer; by a hundredth steeper it runs over it. */
 START_TEST(test_up_the_steepest)
 {
     int again = 0;
@@ -302,8 +302,8 @@ START_TEST(test_borders)
 }
 END_TEST
 
-/* An upright triangle on a sheet, an inner place moved over its neighbour (a fold), triangles turned about, and heights so
- * rough that some are all but upright. */
+/* An upright triangle on a sheet, an inner place moved over its neighbour (a fold), triangles turned about, and one
+ * place so high that triangles are all but upright. */
 START_TEST(test_folds)
 {
     for (int way = 0; way < 6; way++) {

@@ -36,7 +36,7 @@ START_TEST(test_random_turns)
 }
 END_TEST
 
-/* Where a quarter ends (an odd eighth) another polynomial and another sign take over; at whole quarters signs change. */
+/* Where a quarter ends (an odd eighth) sine and cosine change places; at whole quarters signs change. */
 START_TEST(test_ends_of_eighths)
 {
     static const double whole[] = {0.0, 1.0, 2.0, 3.0, 100.0, 65535.0, 999999.0, 0x1p31, 0x1p32 + 1.0, 0x1p47};

@@ -37,8 +37,8 @@ static pm__shape prepared(pm__shape shape)
     return shape;
 }
 
-/* Every direction of components -1, 0 and 1, and those a hair beside; from above, within, below and on the wave. Marched
- * one by one first, so that what does not end is seen here. */
+/* Every direction of components -1, 0 and 1, and those a hair beside; from above, within, below and on the wave.
+ * Marched one by one first, so that what does not end is seen here. */
 static size_t rays_along_axes(const pm__shape *shape, asked *rays)
 {
     static const double beside[] = {0.0, 1e-320, 1e-200, 1e-12};
@@ -63,6 +63,7 @@ static size_t rays_along_axes(const pm__shape *shape, asked *rays)
                     r->origin[2] += to[height];
                 }
                 ck_assert_int_lt(steps_of(shape, r, &met, &distance), 20000);
+                ck_assert(r->from != 0 || !met || distance > shape->slack); /* not the origin itself */
             }
     return count;
 }
@@ -113,6 +114,27 @@ START_TEST(test_flat_waves)
         }
         ck_assert_int_gt(met_count, 2000);
         pm__scene_destroy(scene);
+    }
+}
+END_TEST
+
+/* Level at a trough, but for a hair upward: over the wave until its flank comes, climb t = 2 a sin^2(k t / 2), at
+ * t = 2 climb / (a k^2) (1 + k^2 t^2 / 12 + ...), and along the ray longer by climb^2 / 2: in all by 1.7 t^3. Nearer
+ * than the slack there is nothing. */
+START_TEST(test_leaving_a_trough)
+{
+    pm__shape shape = prepared(wave(-0.3, 3.0));
+    for (int i = 0; i < 4000; i++) {
+        const double climb = pow(10.0, -17.0 + 14.0 * i / 4000.0), want = 2.0 * climb / (0.3 * 3.0 * 3.0);
+        asked ray = {.origin = {0.0, 0.2, 0.1 - 0.3}, .direction = {i % 2 ? 1.0 : -1.0, 0.0, climb}};
+        bool met;
+        double distance;
+        (void)pm__normalize(ray.direction);
+        ck_assert_int_lt(steps_of(&shape, &ray, &met, &distance), 1000);
+        ck_assert_msg(!met || distance > shape.slack, "climb %g: met at %g", climb, distance);
+        if (want > 2.0 * shape.slack)
+            ck_assert_msg(met && fabs(distance - want) <= 4e-15 + 2.0 * want * want * want,
+                          "climb %g: met %d at %g, not %g", climb, met, distance, want);
     }
 }
 END_TEST
@@ -208,8 +230,8 @@ static long double sinking_root(const pm__shape *s, long double over, long doubl
     return INFINITY;
 }
 
-/* Sinking slowly over hundreds of crests. The wave of 1 m has k = 2 pi to rounding only: over n crests its crests are off
- * by n 1e-16 m. */
+/* Sinking slowly over hundreds of crests. The wave of 1 m has k = 2 pi to rounding only: over n crests its crests are
+ * off by n 1e-16 m. */
 START_TEST(test_sinking_over_crests)
 {
     pm__shape shape = long_wave();
@@ -302,5 +324,5 @@ START_TEST(test_from_far_off)
 }
 END_TEST
 
-PM_TEST_MAIN("wave rays", test_along_axes, test_flat_waves, test_not_finite, test_level_over_crests,
-             test_sinking_over_crests, test_most_crests, test_from_far_off)
+PM_TEST_MAIN("wave rays", test_along_axes, test_flat_waves, test_leaving_a_trough, test_not_finite,
+             test_level_over_crests, test_sinking_over_crests, test_most_crests, test_from_far_off)

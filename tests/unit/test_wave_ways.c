@@ -41,8 +41,8 @@ static size_t sample(const pm__shape *w, const end *p, const end *q, long double
     return count;
 }
 
-/* Surely on both sides: blocked. Surely on one, and nowhere so near that it may dip in between, by an eighth of what the
- * second derivative allows: open. */
+/* Surely on both sides: blocked. Surely on one, and nowhere so near that it may dip in between, by an eighth of what
+ * the second derivative allows: open. */
 static verdict brute(const pm__shape *w, const end *p, const end *q)
 {
     static long double at[2][STEPS + HALVINGS], f[2][STEPS + HALVINGS];
@@ -144,7 +144,8 @@ START_TEST(test_random_ways)
 }
 END_TEST
 
-/* Between near points on the wave, down to a tenth of a micrometre: over a crest the chord lies under the wave, and is open. */
+/* Between near points on the wave, down to a tenth of a micrometre: over a crest the chord lies under the wave,
+ * and is open. */
 START_TEST(test_short_ways)
 {
     pm__shape w = wave(0.12, 8.0);
