@@ -17,6 +17,7 @@ static inline void check_batch(const pm__scene *scene, const pm__batch_kernel *k
                                const char *what)
 {
     static pm__batch b;
+    memset(&b, 0, sizeof b); /* behind the last ray, what is none: no direction */
     b.count = count;
     for (size_t i = 0; i < count; i++) {
         b.from[i] = rays[i].from;

@@ -9,6 +9,7 @@
 #include "../base/turn.h"
 #include "shapes.h"
 
+#include <float.h>
 #include <math.h>
 
 /* A function of its own would keep loops over rays from becoming SIMD. */
@@ -71,7 +72,8 @@ PM__INLINE pm__march pm__wave_begin(const pm__shape *shape, const double o[3], c
                        .sine = sine,
                        .cosine = cosine,
                        .side = tells < 0.0 ? -1.0 : 1.0,
-                       .goes_on = enter < over->last};
+                       /* What is no ray, as in a batch behind the last one, may have no end. */
+                       .goes_on = (enter < over->last) & (over->last <= DBL_MAX)};
 }
 
 /* On by one step. The height is kept up by differences, as products: exact for short steps from the wave. A root that
@@ -81,16 +83,15 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double s = m->side * (over->climb + over->lift * m->sine), h = m->side * m->height;
     const double square = s * s + 2.0 * over->bend * h, root = sqrt(square > 0.0 ? square : 0.0);
     const bool falls = s < 0.0;
-    const double ratio = (falls ? 2.0 * h : s + root) / (falls ? root - s : over->bend);
-    /* 0 over 0, a ray that stays as high as it is: not a number, which ends the march. */
-    const bool is_far = falls | !(ratio <= over->tolerance);
-    const double wanted = is_far ? ratio : over->tolerance;
+    /* Where the wave is level along the ray: over 0. What is added ends a march that stays as high as it is. */
+    const double rises = s + root + DBL_MIN, ratio = (falls ? 2.0 * h : rises) / (falls ? root - s : over->bend);
+    /* On at any rate until roots are taken: a ray that but touches the wave went from side to side in one place. */
+    const bool may_turn = falls & (m->t > over->least);
+    const double least = may_turn ? -(double)INFINITY : over->tolerance;
+    const double step = ratio > least ? ratio : least;
     /* What is left after a step e is below bend e^2 / |s|. */
-    const double left = over->bend * wanted * wanted, small = 0.25 * over->tolerance * -s;
-    const bool is_near = wanted <= over->tolerance, is_last = falls & (is_near | (left <= small));
-    const bool is_taken = m->t + wanted > over->least, stays = is_last & is_near & !is_taken;
-    /* On at any rate: where the ray but touches the wave it would go from side to side in one place. */
-    const double step = stays ? over->tolerance : wanted;
+    const double left = over->bend * step * step, small = 0.25 * over->tolerance * -s;
+    const bool is_last = falls & ((step <= over->tolerance) | (left <= small));
     double across, along;
     pm__turns(over->turns * step, &across, &along);
     const double middle = m->sine * along + m->cosine * across; /* of the phase half-way */
@@ -98,7 +99,7 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double sine = m->sine * twice_along + m->cosine * twice_across;
     const double cosine = m->cosine * twice_along - m->sine * twice_across;
     const double t = m->t + step, height = m->height + (over->climb * step + 2.0 * amplitude * middle * across);
-    const bool is_within = t <= over->last;
+    const bool is_within = t <= over->last, is_taken = t > over->least;
     m->t = t;
     m->sine = sine;
     m->cosine = cosine;
