@@ -1,6 +1,6 @@
-/* How long a pass of progressive photon mapping takes: beside its parts alone (photons traced, bare searches of the same
- * radii in a map that is there), on several threads beside one, and beside random rays of which Embree alone answers
- * each. */
+/* How long a pass of progressive photon mapping takes: beside its parts alone (photons traced, bare searches of the
+ * same radii in a map that is there), on several threads beside one, and beside random rays of which Embree alone
+ * answers each. */
 #include "speed.h"
 
 #include "../src/base/clock.h"
@@ -404,7 +404,8 @@ pm_status pm__speed_pass_threads(const pm__speed_config *config, double seconds,
             const double all = run->trace_s + run->build_s + run->lookup_s;
             pm__speed_take(&report, ALL, ONE, 1e-9, row);
             (void)snprintf(row->detail, sizeof row->detail,
-                           "on all threads tracing is %.0f %% of it, what photons find %.0f %%", 100.0 * run->trace_s / all,
+                           "on all threads tracing is %.0f %% of it, what photons find %.0f %%",
+                           100.0 * run->trace_s / all,
                            100.0 * (run->build_s + run->lookup_s) / all);
         }
         pm__bench_free(&report);

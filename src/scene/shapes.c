@@ -119,17 +119,19 @@ static bool march(const pm__shape *shape, const double o[3], const double d[3], 
     return m.is_root;
 }
 
-/* From both ends to the middle: at an end that lies on the wave a march starts, and passes it over. */
+/* From both ends to the middle: at an end that lies on the wave a march starts, and passes it over. Each goes a little
+ * farther: rounding could put a crossing in the very middle beyond both. */
 static bool is_between(const pm__shape *shape, const pm__ray *ray, double *distance)
 {
+    const double half = 0.501 * ray->reach;
     double end[3], back[3];
     for (int axis = 0; axis < 3; axis++) {
         end[axis] = ray->origin[axis] + ray->reach * ray->direction[axis];
         back[axis] = -ray->direction[axis];
     }
-    if (march(shape, ray->origin, ray->direction, 0.5 * ray->reach, ray->leaves, distance))
+    if (march(shape, ray->origin, ray->direction, half, ray->leaves, distance))
         return true;
-    const bool met = march(shape, end, back, 0.5 * ray->reach, true, distance);
+    const bool met = march(shape, end, back, half, true, distance);
     *distance = ray->reach - *distance;
     return met;
 }

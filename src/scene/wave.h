@@ -9,6 +9,7 @@
 #include "../base/turn.h"
 #include "shapes.h"
 
+#include <float.h>
 #include <math.h>
 
 /* A function of its own would keep loops over rays from becoming SIMD. */
@@ -49,8 +50,10 @@ PM__INLINE pm__march pm__wave_begin(const pm__shape *shape, const double o[3], c
     double low = 0.0, high = (double)INFINITY, sine, cosine;
     pm__wave_clip(o[0], d[0], shape->extent[0] + slack, &low, &high);
     pm__wave_clip(o[1], d[1], shape->extent[1] + slack, &low, &high);
-    /* A little higher than the wave: the height has its right sign where the ray comes in. */
-    pm__wave_clip(o[2] - shape->centre[2], d[2], fabs(a) * (1.0 + 1e-9) + 64.0 * slack, &low, &high);
+    /* A little higher than the wave, more so from far off: the height has its right sign where the ray comes in. */
+    const double away = fabs(o[2] - shape->centre[2]), rounding = 0x1p-48 * away;
+    const double margin = rounding > 64.0 * slack ? rounding : 64.0 * slack;
+    pm__wave_clip(o[2] - shape->centre[2], d[2], fabs(a) * (1.0 + 1e-9) + margin, &low, &high);
     const double enter = leaves ? 0.0 : low;
     const double x = o[0] + enter * d[0], z = o[2] + enter * d[2] - shape->centre[2];
     pm__turns(shape->wavenumber * PM__PER_RADIAN * x, &sine, &cosine);
@@ -69,7 +72,8 @@ PM__INLINE pm__march pm__wave_begin(const pm__shape *shape, const double o[3], c
                        .sine = sine,
                        .cosine = cosine,
                        .side = tells < 0.0 ? -1.0 : 1.0,
-                       .goes_on = (enter < over->last) & (over->tolerance < (double)INFINITY)};
+                       /* What is no ray, as in a batch behind the last one, may have no end. */
+                       .goes_on = (enter < over->last) & (over->last <= DBL_MAX)};
 }
 
 /* On by one step. The height is kept up by differences, as products: exact for short steps from the wave. A root that
@@ -79,9 +83,13 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double s = m->side * (over->climb + over->lift * m->sine), h = m->side * m->height;
     const double square = s * s + 2.0 * over->bend * h, root = sqrt(square > 0.0 ? square : 0.0);
     const bool falls = s < 0.0;
-    const double ratio = (falls ? 2.0 * h : s + root) / (falls ? root - s : over->bend);
-    /* Off a point where neither slope nor bend leads away, a little at a time. */
-    const double creep = 1e3 * over->tolerance, step = falls | !(ratio < creep) ? ratio : creep;
+    /* Where the wave is level along the ray: over 0. What is added ends a march that stays as high as it is. */
+    const double rises = s + root + DBL_MIN, ratio = (falls ? 2.0 * h : rises) / (falls ? root - s : over->bend);
+    /* On at any rate until roots are taken: a ray that but touches the wave went from side to side in one place. */
+    const bool may_turn = falls & (m->t > over->least);
+    /* Farther where it rises: neither slope nor bend may lead away. NaN, of what is no ray, ends the march. */
+    const double creep = falls ? over->tolerance : 1e3 * over->tolerance;
+    const double least = may_turn ? -(double)INFINITY : creep, step = ratio < least ? least : ratio;
     /* What is left after a step e is below bend e^2 / |s|. */
     const double left = over->bend * step * step, small = 0.25 * over->tolerance * -s;
     const bool is_last = falls & ((step <= over->tolerance) | (left <= small));
@@ -92,7 +100,7 @@ PM__INLINE void pm__wave_step(const pm__above *over, double amplitude, pm__march
     const double sine = m->sine * twice_along + m->cosine * twice_across;
     const double cosine = m->cosine * twice_along - m->sine * twice_across;
     const double t = m->t + step, height = m->height + (over->climb * step + 2.0 * amplitude * middle * across);
-    const bool is_within = t <= over->last, is_taken = t > over->least; /* NaN, along a plane wave, is not within */
+    const bool is_within = t <= over->last, is_taken = t > over->least;
     m->t = t;
     m->sine = sine;
     m->cosine = cosine;

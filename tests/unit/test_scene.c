@@ -341,6 +341,9 @@ START_TEST(test_refusals)
         {{.kind = PM__SHAPE_WAVE, .amplitude = 0.5, .wavenumber = 2.0, .extent = {1.0, 1.0}}, "below 1 (1)"},
         {{.kind = PM__SHAPE_WAVE, .amplitude = 0.1, .wavenumber = -2.0, .extent = {1.0, 1.0}}, "wavenumber"},
         {{.kind = PM__SHAPE_WAVE, .amplitude = 0.1, .wavenumber = 2.0, .extent = {1.0, 0.0}}, "extent"},
+        {{.kind = PM__SHAPE_WAVE, .amplitude = 0.1, .wavenumber = 2.0, .extent = {500001.0, 1.0}},
+         "wavenumber times extent is above a million (1e+06)"},
+        {{.kind = PM__SHAPE_WAVE, .amplitude = 1e-9, .wavenumber = 1e8, .extent = {1.0, 1.0}}, "(1e+08)"},
     };
     static const float v[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}}, bad[3][3] = {{0, 0, NAN}};
     static const float far[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, INFINITY, 0}};
