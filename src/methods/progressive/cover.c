@@ -7,13 +7,13 @@
 #include <string.h>
 
 /* Cells are about so many radii wide: of fewer a point touches more, of more a photon meets more points in vain. */
-static const double radii_a_cell = 3.0;
+static const double radii_a_cell = 2.0;
 /* A cell listed for each point at most, on average. */
-static const double most_listed = 8.0;
+static const double most_listed = 10.0;
 /* Cells for each point at most, and in any case. */
-enum { CELLS_A_POINT = 12, LEAST_CELLS = 4096 };
+enum { CELLS_A_POINT = 32, LEAST_CELLS = 4096 };
 /* Steps across what a cell lists. */
-static const double steps = 65000.0;
+static const double steps = 250.0;
 /* What is listed reaches a little farther than single precision may find. */
 static const double beyond = 1.0 + 1e-5;
 
@@ -36,6 +36,7 @@ void pm__cover_free(pm__cover *cover)
     free(cover->now);
     free(cover->built);
     free(cover->share);
+    free(cover->brought);
     for (size_t i = 0; i < cover->gift_lists; i++)
         free(cover->gifts[i].items);
     free(cover->gifts);
@@ -167,9 +168,9 @@ static pm__listed entry_of(const pm__run *run, const pm__cover *cover, size_t i,
     pm__listed entry = {.point = (uint32_t)i};
     for (int a = 0; a < 3; a++) {
         const double offset = run->of->fixed[i].position[a] - cover->low[a] - (double)cell[a] * cover->edge;
-        entry.position[a] = (uint16_t)fmin(fmax((offset + cover->margin) * cover->inverse_step + 0.5, 0.0), 65535.0);
+        entry.position[a] = (uint8_t)fmin(fmax((offset + cover->margin) * cover->inverse_step + 0.5, 0.0), 255.0);
     }
-    entry.radius = (uint16_t)fmin(ceil(reach_of(cover, i) * cover->inverse_step) + 2.0, 65535.0);
+    entry.radius = (uint8_t)fmin(ceil(reach_of(cover, i) * cover->inverse_step) + 2.0, 255.0);
     return entry;
 }
 
@@ -222,8 +223,9 @@ pm_status pm__cover_make(const pm__run *run, pm__cover **cover, pm_error *error)
         made->now = pm__alloc_zero(points, sizeof *made->now);
         made->built = pm__alloc(points, sizeof *made->built);
         made->share = pm__alloc_zero(points, sizeof *made->share);
+        made->brought = pm__alloc(points, sizeof *made->brought);
     }
-    bool room = made && made->now && made->built && made->share;
+    bool room = made && made->now && made->built && made->share && made->brought;
     for (size_t i = 0; i < points && room; i++)
         note_point(run, i, made);
     if (room) {

@@ -10,7 +10,7 @@
 
 /* In a cell's own terms, steps of `step` from its lower corner less `margin`: what is read most must be small. */
 typedef struct pm__listed {
-    uint16_t position[3], radius; /* the radius rounded up by what rounding may do */
+    uint8_t position[3], radius; /* the radius rounded up by what rounding may do */
     uint32_t point;
 } pm__listed;
 
@@ -32,6 +32,12 @@ typedef struct pm__gifts {
     size_t count, capacity;
 } pm__gifts;
 
+/* What a pass brings to a point. */
+typedef struct pm__brought {
+    double flux[3]; /* W, weighted */
+    size_t count;
+} pm__brought;
+
 typedef struct pm__cover {
     double low[3], edge, inverse_edge; /* of the cells, m */
     double margin, step, inverse_step; /* m: see pm__listed */
@@ -43,7 +49,9 @@ typedef struct pm__cover {
     double (*share)[3];          /* [points]: pm__found's */
     double area, listed_area;    /* m2 but for pi: the sum of squared radii now, and as listed */
     bool uneven;                 /* some surfaces do not scatter evenly */
-    pm__gifts *gifts;            /* [gift_lists]: room that passes share, one after the other */
+    /* Room that passes use, one after the other. */
+    pm__brought *brought;        /* [points] */
+    pm__gifts *gifts;            /* [gift_lists] */
     size_t gift_lists;
 } pm__cover;
 

@@ -17,6 +17,7 @@ enum {
     PIECE = 256,  /* points listed in a cell that are measured before what is found is looked at */
     FOUND = 1024,
     WAITING = 256, /* so many are looked at together: most of them have come by then */
+    AHEAD = 12,
     LINE = 64,    /* bytes */
     MOST_FETCHED = 512,
     RUNS = 32     /* of points, at most: the sums of one stay in a near cache */
@@ -171,33 +172,29 @@ static void find_task(void *argument, size_t chunk)
 
 /* ---- Points take what they are given ------------------------------------------------------------ */
 
-typedef struct sum {
-    double flux[3];
-    size_t count;
-} sum;
-
-static void take(const splatting *s, size_t i, const sum *given)
+static void take(const splatting *s, size_t i, const pm__brought *given)
 {
     const pm__run *const run = s->run;
     const pm__progressive *const method = pm__progressive_of(run);
     const double radius = (double)s->cover->now[i].radius, area = 3.14159265358979323846 * (radius * radius);
-    const double divisor = s->norm * area;
+    const double per = given->count && s->norm * area > 0.0 ? 1.0 / (s->norm * area) : 0.0;
     pm__found found = {.count = given->count, .area = area};
     for (int b = 0; b < 3; b++) {
         found.share[b] = s->cover->share[i][b];
-        found.radiance[b] = divisor > 0.0 ? found.share[b] * (given->flux[b] / divisor) : 0.0;
+        found.radiance[b] = found.share[b] * (given->flux[b] * per);
     }
     method->take(run, &found, run->state + i * method->fields);
 }
 
-/* In the order of the photons. first: the point of sums[0]. */
-static void add_up(const splatting *s, size_t index, size_t first, sum *sums)
+/* In the order of the photons. */
+static void add_up(const splatting *s, size_t index)
 {
     for (size_t c = 0; c < s->chunks; c++) {
         const pm__gifts *const list = &s->lists[c * RUNS + index];
         for (size_t g = 0; g < list->count; g++) {
             const pm__gift *const gift = &list->items[g];
-            sum *const to = &sums[gift->point - first];
+            __builtin_prefetch(&s->cover->brought[list->items[g + AHEAD < list->count ? g + AHEAD : g].point], 1);
+            pm__brought *const to = &s->cover->brought[gift->point];
             for (int b = 0; b < 3; b++)
                 to->flux[b] += gift->weight * (double)gift->flux[b];
             to->count++;
@@ -208,24 +205,21 @@ static void add_up(const splatting *s, size_t index, size_t first, sum *sums)
 static void take_task(void *argument, size_t index)
 {
     splatting *const s = argument;
+    pm__cover *const cover = s->cover;
     const size_t first = index << s->shift, all = s->run->of->points;
     const size_t end = (index + 1) << s->shift < all ? (index + 1) << s->shift : all;
-    sum *const sums = pm__alloc_zero(end - first, sizeof *sums);
-    s->areas[index] = 0.0;
-    if (!sums) {
-        atomic_store(&s->failed, 1);
-        return;
-    }
-    add_up(s, index, first, sums);
+    memset(cover->brought + first, 0, (end - first) * sizeof *cover->brought);
+    add_up(s, index);
+    double area = 0.0;
     for (size_t i = first; i < end; i++) {
-        float *const radius = &s->cover->now[i].radius;
+        float *const radius = &cover->now[i].radius;
         if (!(*radius > 0.0f))
             continue;
-        take(s, i, &sums[i - first]);
+        take(s, i, &cover->brought[i]);
         *radius = pm__cover_radius(s->run, i);
-        s->areas[index] += (double)*radius * (double)*radius;
+        area += (double)*radius * (double)*radius;
     }
-    free(sums);
+    s->areas[index] = area;
 }
 
 /* ---- A pass ------------------------------------------------------------------------------------ */
