@@ -20,7 +20,7 @@ typedef struct pm__batch {
     int64_t shape[PM__BATCH];
     const pm__material *material[PM__BATCH];                     /* NULL: nothing is met */
     double rate[3][PM__BATCH];                                   /* one over the direction */
-    double enter[PM__BATCH], leave[PM__BATCH];                   /* m: the box of what Embree holds */
+    double enter[PM__BATCH], leave[PM__BATCH];                   /* m: the box of all shapes */
     uint64_t may[PM__BATCH], asks[PM__BATCH];                    /* 0 or 1 */
     double power[3][PM__BATCH];
     int64_t kind[PM__BATCH];                                     /* of the material; of printed glossy ones black */

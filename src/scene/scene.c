@@ -345,6 +345,7 @@ static bool hold_sheet(pm__scene *scene, const pm__geometry *geometry)
 static void list_held(pm__scene *scene)
 {
     pm__held *others = NULL;
+    scene->held_count = 0; /* a commit that failed may be tried again */
     for (size_t i = 0; i < scene->geometry_count; i++) {
         const pm__geometry *const geometry = scene->geometries[i];
         if (is_kept(scene, geometry) || hold_sheet(scene, geometry))

@@ -55,7 +55,8 @@ pm_status pm__shape_prepare(pm__shape *shape, uint32_t number, pm_error *error);
 /* The corners of the box about the shape with its slack. */
 void pm__shape_bounds(const pm__shape *shape, double low[3], double high[3]);
 
-/* Does the ray meet the shape? *distance: where first, in (0, reach]. Cost: 5 to 20 ns; the wave about 100 ns. */
+/* Does the ray meet the shape? *distance: where first, in (0, reach], unless it `arrives`. Cost: 5 to 20 ns; the wave
+ * about 100 ns. */
 bool pm__shape_meet(const pm__shape *shape, const pm__ray *ray, double *distance);
 
 /* Moves a position that is off the shape by rounding onto it; the unit normal there. */

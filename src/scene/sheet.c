@@ -13,6 +13,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Of a normal along the axis: steeper ones are taken for walls. */
+static const double LEAST_UPRIGHT = 0.1;
+
 /* ---- Edges -------------------------------------------------------------------------------------- */
 
 /* Directed edges that have not met their opposite, by open addressing: a slot's count is of low to high less the other
@@ -90,14 +93,14 @@ double pm__sheet_steepness(const pm__geometry *mesh, int axis)
     const int across[2] = {(axis + 1) % 3, (axis + 2) % 3};
     const double sign = mesh->planes[0].normal[axis] < 0.0 ? -1.0 : 1.0;
     double flattest = 1.0, area = 0.0, rectangle = 2.0;
-    for (size_t i = 0; i < mesh->count; i++) {
+    for (size_t i = 0; i < mesh->count && flattest > LEAST_UPRIGHT; i++) {
         flattest = fmin(flattest, sign * mesh->planes[i].normal[axis]);
         area += sign * shadow(mesh, mesh->triangles[i], across);
     }
     for (int k = 0; k < 2; k++)
         rectangle *= mesh->high[across[k]] - mesh->low[across[k]];
     /* A whole number but for rounding. */
-    if (!(flattest > 0.1) || !(fabs(area / rectangle - 1.0) < 0.01) || !is_closed_within(mesh, across))
+    if (!(flattest > LEAST_UPRIGHT) || !(fabs(area / rectangle - 1.0) < 0.01) || !is_closed_within(mesh, across))
         return 2.0;
     /* The sine of the steepest way's height; rounding of normals and directions, with much to spare. */
     return sqrt(1.0 - flattest * flattest) + 1e-6;

@@ -69,7 +69,6 @@ typedef struct pm__run {
     uint32_t passes; /* done */
     double *state;   /* [points * fields], and behind them what estimates of the error need */
     void *own;       /* of methods that keep more than that */
-    struct pm__cover *cover; /* of fixed points, once photons have been sought at them (cover.h); NULL: not so */
     uint64_t emitted, stored; /* photons, of all passes */
     double trace_s, build_s, lookup_s; /* wall clock */
 } pm__run;
@@ -194,8 +193,6 @@ pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_
 pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error);
 /* Looks up at every point by the method's ask and take. */
 pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error);
-/* Looks, at fixed points, only for what tells of the estimates' bias: before the state takes the same photons. */
-pm_status pm__run_further_lookups(pm__run *run, const pm_map *map, pm_error *error);
 
 /* `averages` of most. */
 static inline bool pm__always_averages(const double *values)

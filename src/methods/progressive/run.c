@@ -1,4 +1,4 @@
-#include "cover.h"
+#include "progressive.h"
 
 #include "../../base/clock.h"
 #include "../../base/memory.h"
@@ -37,7 +37,6 @@ void pm__run_end(pm__run *run)
 {
     if (run->of && pm__progressive_of(run)->release)
         pm__progressive_of(run)->release(run);
-    pm__cover_free(run->cover);
     free(run->state);
     *run = (pm__run){.of = NULL};
 }
@@ -74,9 +73,12 @@ static pm_status make_map(pm__run *run, const pm__photon_set *set, const pm_sear
     return status;
 }
 
+/* First radii are of the k nearest, whatever finds photons within a radius later. */
 pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error)
 {
-    return make_map(run, set, run->of->config->search, map, error);
+    const pm_search *const asked = run->of->config->search;
+    const bool cannot = asked && asked->radius_only && pm__progressive_of(run)->shrinks;
+    return make_map(run, set, cannot ? NULL : asked, map, error);
 }
 
 /* A map of one pass is asked once at each point: what it takes to build counts as much as how it answers, and a grid is
@@ -88,27 +90,17 @@ pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map
     return make_map(run, set, asked || !radii ? asked : pm_search_find("grid"), map, error);
 }
 
-static pm_status look_up(pm__run *run, const pm__photon_set *set,
-                         pm_status (*lookups)(pm__run *run, const pm_map *map, pm_error *error), pm_error *error)
-{
-    pm_map *map = NULL;
-    pm_status status = pm__run_pass_map(run, set, &map, error);
-    if (status == PM_OK)
-        status = lookups(run, map, error);
-    pm_map_destroy(map);
-    return status;
-}
-
 static pm_status photon_pass(pm__run *run, pm_error *error)
 {
     pm__photon_set set = {0};
+    pm_map *map = NULL;
     pm_status status = pm__run_shoot(run, run->passes, &set, error);
-    const bool splats = pm__run_splats(run);
-    if (status == PM_OK && splats && run->of->config->estimates)
-        status = look_up(run, &set, pm__run_further_lookups, error);
     if (status == PM_OK)
-        status = splats ? pm__run_splat(run, &set, error) : look_up(run, &set, pm__run_lookups, error);
+        status = pm__run_pass_map(run, &set, &map, error);
     pm__photon_set_free(&set);
+    if (status == PM_OK)
+        status = pm__run_lookups(run, map, error);
+    pm_map_destroy(map);
     return status;
 }
 
@@ -129,10 +121,6 @@ pm_status pm__run_resume(pm__run *run, const double *state, uint32_t passes, pm_
     const pm__progressive *const method = pm__progressive_of(run);
     memcpy(run->state, state, pm__run_state_count(run->of) * sizeof *state);
     run->passes = passes;
-    if (run->cover && !pm__cover_follow(run->cover, run)) {
-        pm__cover_free(run->cover);
-        run->cover = NULL;
-    }
     return method->settle ? method->settle(run, error) : PM_OK;
 }
 
