@@ -50,13 +50,14 @@ START_TEST(fields_are_the_contract)
 }
 END_TEST
 
-/* 2 % and 0.02 are the same; a scene is one with or without its prefix; threads change nothing. */
+/* 12 % and 0.12 are the same; a scene is one with or without its prefix. How large a run is advised depends on times,
+ * and with it how many show its error. */
 START_TEST(ways_to_say_the_same)
 {
     static const char *const ways[] = {"advise furnace --error 12% " TINY "--json - --threads 1",
                                        "advise scene:furnace --error 0.12 " TINY "--json - --threads 2"};
     json_t *const first = pm__expect_json(ways[0]), *const second = pm__expect_json(ways[1]);
-    static const char *const fields[] = {"case", "error", "estimator", "trials"};
+    static const char *const fields[] = {"case", "error", "estimator", "method"};
     for (size_t f = 0; f < 4; f++)
         ck_assert_msg(json_equal(json_object_get(row_of(first, 0), fields[f]),
                                  json_object_get(row_of(second, 0), fields[f])),
