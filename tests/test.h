@@ -22,6 +22,16 @@
         ck_assert_msg(status_ == PM_OK, "%s: %s (%s)", #call, pm_status_text(status_), (error).text);           \
     } while (0)
 
+/* For mains of their own: the status to end with. */
+static inline int pm__test_run(Suite *suite)
+{
+    SRunner *const runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    const int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
 static inline int pm__test_main(const char *name, const TTest *const *tests, size_t count)
 {
     Suite *const suite = suite_create(name);
@@ -30,11 +40,7 @@ static inline int pm__test_main(const char *name, const TTest *const *tests, siz
     for (size_t i = 0; i < count; i++)
         tcase_add_test(tcase, tests[i]);
     suite_add_tcase(suite, tcase);
-    SRunner *const runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+    return pm__test_run(suite);
 }
 
 #define PM_TEST_MAIN(name, ...)                                                        \

@@ -90,7 +90,7 @@ static pm_status compare_options(const char *file, const json_t *was, json_t *is
     return pm__fail(error, PM_EINVAL, "%s: a checkpoint of other options", file);
 }
 
-/* Is it of this program, and of what is asked for now? */
+/* Is it of this program, and of the same series? */
 static pm_status check_same(const pm__keep *keep, const pm__checkpoint *found, json_t *asked, pm_error *error)
 {
     char file[PM__NAME_SIZE], version[PM__QUOTE_SIZE];

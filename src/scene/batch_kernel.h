@@ -6,9 +6,6 @@
 #include "query.h"
 #include "wave.h"
 
-/* In loops a function of its own: arrays that are passed on then become variables. */
-#define INLINE static inline __attribute__((always_inline))
-
 /* All of them, to whole registers. */
 static inline size_t whole(const pm__batch *b)
 {
@@ -71,7 +68,7 @@ typedef struct chord {
     bool is_met;  /* not looked at for such a ray */
 } chord;
 
-INLINE chord chord_of(double radius, const double to[3], const double d[3])
+PM__INLINE chord chord_of(double radius, const double to[3], const double d[3])
 {
     const double along = pm__dot(to, d);
     const double off[3] = {to[0] - along * d[0], to[1] - along * d[1], to[2] - along * d[2]};
@@ -85,13 +82,13 @@ INLINE chord chord_of(double radius, const double to[3], const double d[3])
                    .is_met = (discriminant >= 0.0) & (square <= 1.001 * radius * radius)};
 }
 
-INLINE void take(pm__batch *b, size_t i, bool met, double t, int64_t place)
+PM__INLINE void take(pm__batch *b, size_t i, bool met, double t, int64_t place)
 {
     b->distance[i] = met ? t : b->distance[i];
     b->place[i] = met ? place : b->place[i];
 }
 
-INLINE void meet_sphere_by(pm__batch *b, size_t i, const pm__shape *shape, int64_t number, int64_t place)
+PM__INLINE void meet_sphere_by(pm__batch *b, size_t i, const pm__shape *shape, int64_t number, int64_t place)
 {
     const double d[3] = {b->direction[0][i], b->direction[1][i], b->direction[2][i]}, *const c = shape->centre;
     const double to[3] = {c[0] - b->origin[0][i], c[1] - b->origin[1][i], c[2] - b->origin[2][i]};
@@ -103,7 +100,7 @@ INLINE void meet_sphere_by(pm__batch *b, size_t i, const pm__shape *shape, int64
 }
 
 /* Not where rays run almost along the axis: returns whether that is so. */
-INLINE bool meet_cylinder_by(pm__batch *b, size_t i, const pm__shape *shape, int64_t number, int64_t place)
+PM__INLINE bool meet_cylinder_by(pm__batch *b, size_t i, const pm__shape *shape, int64_t number, int64_t place)
 {
     const double dx = b->direction[0][i], dy = b->direction[1][i], square = dx * dx + dy * dy + 0.0 * 0.0;
     const double speed = sqrt(square), plan[3] = {dx / speed, dy / speed, 0.0};
@@ -155,8 +152,8 @@ typedef struct marches {
     uint64_t goes_on[PM__MARCHING], is_root[PM__MARCHING];
 } marches;
 
-INLINE uint64_t begin_march(const pm__batch *b, size_t i, const pm__shape *shape, int64_t number, size_t j,
-                            marches *all)
+PM__INLINE uint64_t begin_march(const pm__batch *b, size_t i, const pm__shape *shape, int64_t number, size_t j,
+                                marches *all)
 {
     const double o[3] = {b->origin[0][i], b->origin[1][i], b->origin[2][i]};
     const double d[3] = {b->direction[0][i], b->direction[1][i], b->direction[2][i]};
@@ -180,7 +177,7 @@ INLINE uint64_t begin_march(const pm__batch *b, size_t i, const pm__shape *shape
 }
 
 /* What goes on no longer is computed with, and stays. */
-INLINE uint64_t march_on(size_t j, double amplitude, marches *all)
+PM__INLINE uint64_t march_on(size_t j, double amplitude, marches *all)
 {
     const pm__above over = {.climb = all->climb[j], .lift = all->lift[j], .bend = all->bend[j], .turns = all->turns[j],
                             .last = all->last[j], .tolerance = all->tolerance[j], .least = all->least[j]};
@@ -227,21 +224,17 @@ typedef struct box {
 } box;
 
 /* The distances at which the ray is within. rate: one over its direction. */
-INLINE void cross_box(const pm__batch *b, size_t i, const double rate[3], const box *around, double *enter,
-                      double *leave)
+PM__INLINE void cross_box(const pm__batch *b, size_t i, const double rate[3], const box *around, double *enter,
+                          double *leave)
 {
     *enter = 0.0;
     *leave = b->distance[i];
-    for (int axis = 0; axis < 3; axis++) {
-        const double low = around->low[axis], high = around->high[axis], at = b->origin[axis][i], by = rate[axis];
-        const double near = ((by < 0.0 ? high : low) - at) * by, far = ((by < 0.0 ? low : high) - at) * by;
-        *enter = near > *enter ? near : *enter;
-        *leave = far < *leave ? far : *leave;
-    }
+    for (int axis = 0; axis < 3; axis++)
+        pm__slab_cut(b->origin[axis][i], rate[axis], around->low[axis], around->high[axis], enter, leave);
 }
 
 /* Within the box of all shapes, padded or not. */
-INLINE void cut_at(pm__batch *b, size_t i, const box *padded, const box *all)
+PM__INLINE void cut_at(pm__batch *b, size_t i, const box *padded, const box *all)
 {
     double enter, leave, rate[3];
     bool is_within = true;
@@ -257,7 +250,7 @@ INLINE void cut_at(pm__batch *b, size_t i, const box *padded, const box *all)
 }
 
 /* may_meet of rays.c. */
-INLINE void ask_at(pm__batch *b, size_t i, const box *around, const double *along, const pm__held *held)
+PM__INLINE void ask_at(pm__batch *b, size_t i, const box *around, const double *along, const pm__held *held)
 {
     double enter, leave;
     const double rate[3] = {b->rate[0][i], b->rate[1][i], b->rate[2][i]};
@@ -313,7 +306,7 @@ static void settle(pm__batch *b, const pm__few *few)
 }
 
 /* Onto spheres and cylinders, as settle_round of shapes.c. */
-INLINE void settle_round_at(pm__batch *b, size_t i, const pm__few *few)
+PM__INLINE void settle_round_at(pm__batch *b, size_t i, const pm__few *few)
 {
     const int64_t at = b->place[i];
     const double radius = few->radius[at], sign = few->sign[at];

@@ -7,8 +7,8 @@
 
 /* ---- Lights ------------------------------------------------------------------------------------- */
 
-INLINE void emit_at(pm__batch *b, size_t i, const pm__lamp *lamp, pm__light_kind kind, int64_t light,
-                    const double power[3])
+PM__INLINE void emit_at(pm__batch *b, size_t i, const pm__lamp *lamp, pm__light_kind kind, int64_t light,
+                        const double power[3])
 {
     const double u[4] = {b->u[0][i], b->u[1][i], b->u[2][i], b->v[0][i]};
     const bool is_its = b->place[i] == light;
@@ -21,7 +21,7 @@ INLINE void emit_at(pm__batch *b, size_t i, const pm__lamp *lamp, pm__light_kind
     }
 }
 
-INLINE void emit_all(pm__batch *b, const pm__lamp *lamp, pm__light_kind kind, int64_t light, const double power[3])
+PM__INLINE void emit_all(pm__batch *b, const pm__lamp *lamp, pm__light_kind kind, int64_t light, const double power[3])
 {
     const size_t count = whole(b);
     const pm__lamp own = *lamp;
@@ -61,7 +61,7 @@ typedef struct arrival {
     double against; /* what goes along the normal as it was: below 0 from its side */
 } arrival;
 
-INLINE arrival arrival_of(const pm__batch *b, size_t i)
+PM__INLINE arrival arrival_of(const pm__batch *b, size_t i)
 {
     arrival at;
     for (int k = 0; k < 3; k++) {
@@ -77,7 +77,7 @@ INLINE arrival arrival_of(const pm__batch *b, size_t i)
     return at;
 }
 
-INLINE void go(pm__batch *b, size_t i, bool is_its, bool goes_on, const double power[3], const double outgoing[3])
+PM__INLINE void go(pm__batch *b, size_t i, bool is_its, bool goes_on, const double power[3], const double outgoing[3])
 {
     for (int k = 0; k < 3; k++) {
         b->power[k][i] = is_its ? power[k] : b->power[k][i];
@@ -87,7 +87,7 @@ INLINE void go(pm__batch *b, size_t i, bool is_its, bool goes_on, const double p
     b->goes_on[i] = is_its ? on : b->goes_on[i];
 }
 
-INLINE void scatter_diffuse_at(pm__batch *b, size_t i)
+PM__INLINE void scatter_diffuse_at(pm__batch *b, size_t i)
 {
     const arrival at = arrival_of(b, i);
     const double none[3] = {0.0, 0.0, 0.0};
@@ -109,7 +109,7 @@ static void scatter_diffuse(pm__batch *b)
 
 /* The index of refraction and power, by choose_index of material.c. Each choice is a comparison of its own: what is
  * made of several is not made SIMD. */
-INLINE double index_of(const arrival *at, double u, double power[3])
+PM__INLINE double index_of(const arrival *at, double u, double power[3])
 {
     const double *const p = at->power, *const ior = at->bands;
     const double total = pm__sum(p), x = u * total, by1 = p[1] > 0.0 ? 1.0 : 0.0, last = p[2] > 0.0 ? 2.0 : by1;
@@ -125,7 +125,7 @@ INLINE double index_of(const arrival *at, double u, double power[3])
     return chosen;
 }
 
-INLINE void scatter_mirror_at(pm__batch *b, size_t i)
+PM__INLINE void scatter_mirror_at(pm__batch *b, size_t i)
 {
     const arrival at = arrival_of(b, i);
     const double none[3] = {0.0, 0.0, 0.0}, chance = pm__roulette(none, at.bands, at.power).specular;
@@ -139,7 +139,7 @@ INLINE void scatter_mirror_at(pm__batch *b, size_t i)
     go(b, i, b->kind[i] == PM__MIRROR, (pm__largest(at.power) > 0.0) & (b->u[0][i] < chance), power, outgoing);
 }
 
-INLINE void scatter_glass_at(pm__batch *b, size_t i)
+PM__INLINE void scatter_glass_at(pm__batch *b, size_t i)
 {
     const arrival at = arrival_of(b, i);
     double power[3], outgoing[3];
@@ -159,7 +159,7 @@ INLINE void scatter_glass_at(pm__batch *b, size_t i)
     go(b, i, b->kind[i] == PM__GLASS, pm__largest(at.power) > 0.0, power, outgoing);
 }
 
-INLINE void scatter_glossy_at(pm__batch *b, size_t i)
+PM__INLINE void scatter_glossy_at(pm__batch *b, size_t i)
 {
     const arrival at = arrival_of(b, i);
     const double specular[3] = {b->specular[0][i], b->specular[1][i], b->specular[2][i]}, alpha = b->alpha[i];

@@ -1,5 +1,7 @@
 #include "flats.h"
 
+#include "../base/inline.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -36,10 +38,10 @@ void pm__flats_add(pm__flats *flats, const pm__shape *shape, uint32_t number)
 #else
 #define SWAP(a, i, j, k, l) __builtin_shuffle(a, (mask){i, j, k, l})
 #endif
-#define INLINE static inline __attribute__((always_inline))
 
 /* What four of them say: distances where they are met, INFINITY elsewhere. */
-INLINE void meet_four(const pm__flats *flats, size_t at, const pm__ray *ray, int64_t from, int64_t to, lanes *distance)
+PM__INLINE void meet_four(const pm__flats *flats, size_t at, const pm__ray *ray, int64_t from, int64_t to,
+                          lanes *distance)
 {
     lanes offset[3], normal[3];
     for (int axis = 0; axis < 3; axis++) {
@@ -62,7 +64,7 @@ INLINE void meet_four(const pm__flats *flats, size_t at, const pm__ray *ray, int
 }
 
 /* The nearest in each lane, lower places first; then of the lanes, by pairs. */
-INLINE size_t meet_all(const pm__flats *flats, const pm__ray *ray, int64_t from, int64_t to, double *distance)
+PM__INLINE size_t meet_all(const pm__flats *flats, const pm__ray *ray, int64_t from, int64_t to, double *distance)
 {
     lanes least = (lanes){0} + (double)INFINITY;
     mask place = {0, 1, 2, 3}, best = (mask){0} + (int64_t)flats->count;

@@ -2,6 +2,7 @@
 #ifndef PM_SCENE_LIGHT_EMIT_H
 #define PM_SCENE_LIGHT_EMIT_H
 
+#include "../base/inline.h"
 #include "../base/turn.h"
 #include "../base/vec3.h"
 #include "light.h"
@@ -48,9 +49,8 @@ static inline void pm__cosine_about(const double normal[3], double u0, double u1
 }
 
 /* pm__emit for a light of this kind: named, since a loop for each has no branch. */
-static inline __attribute__((always_inline)) void pm__lamp_emit(const pm__lamp *lamp, pm__light_kind kind,
-                                                                const double u[4], double position[3],
-                                                                double direction[3])
+PM__INLINE void pm__lamp_emit(const pm__lamp *lamp, pm__light_kind kind, const double u[4], double position[3],
+                              double direction[3])
 {
     const pm__light *const light = &lamp->light;
     double normal[3], s[3], t[3], sine, cosine;

@@ -1,6 +1,7 @@
 /* Rays through a scene: Embree proposes, exact arithmetic in double disposes. A few exact shapes are asked without it:
  * that costs less than to have Embree ask. */
 #include "query.h"
+#include "slab.h"
 
 #include "../base/vec3.h"
 
@@ -21,14 +22,9 @@ static bool enter_box(const pm__query *q, const double low[3], const double high
     const double padding = PM__PADDING * q->scene->extent;
     *enter = 0.0;
     *leave = q->ray.reach;
-    for (int axis = 0; axis < 3; axis++) {
-        const double least = low[axis] - padding, most = high[axis] + padding;
-        const double at = q->ray.origin[axis], rate = 1.0 / q->ray.direction[axis];
-        /* A product 0 * inf is on the padded box and parallel to it: comparisons with NaN pass it over. */
-        const double a = ((rate < 0.0 ? most : least) - at) * rate, b = ((rate < 0.0 ? least : most) - at) * rate;
-        *enter = a > *enter ? a : *enter;
-        *leave = b < *leave ? b : *leave;
-    }
+    for (int axis = 0; axis < 3; axis++)
+        pm__slab_cut(q->ray.origin[axis], 1.0 / q->ray.direction[axis], low[axis] - padding, high[axis] + padding,
+                     enter, leave);
     return *enter <= *leave;
 }
 

@@ -8,20 +8,18 @@
 
 #include "../base/turn.h"
 #include "shapes.h"
+#include "slab.h"
 
 #include <float.h>
 #include <math.h>
-
-/* A function of its own would keep loops over rays from becoming SIMD. */
-#define PM__INLINE static inline __attribute__((always_inline))
 
 #define PM__PER_RADIAN 0.15915494309189533577 /* turns */
 
 /* What stays on the way along a ray. */
 typedef struct pm__above {
-    double climb, rate, lift, bend; /* of z; of the phase, 1/m; its part of the slope; 1/m */
-    double turns;                   /* of half the phase per m */
-    double last, tolerance, least;  /* m: roots are looked for to `last`, and taken from above `least` */
+    double climb, lift, bend;      /* of z; the wave's part of the slope; 1/m */
+    double turns;                  /* of half the phase per m */
+    double last, tolerance, least; /* m: roots are looked for to `last`, and taken from above `least` */
 } pm__above;
 
 /* What changes. */
@@ -33,35 +31,28 @@ typedef struct pm__march {
     uint64_t is_root;
 } pm__march;
 
-/* Cuts [*enter, *leave] to where |at + t direction| <= half. On that edge and along it, 0 * inf compares false. */
-PM__INLINE void pm__wave_clip(double at, double direction, double half, double *enter, double *leave)
-{
-    const double rate = 1.0 / direction, edge = rate < 0.0 ? half : -half;
-    const double near = (edge - at) * rate, far = (-edge - at) * rate;
-    *enter = near > *enter ? near : *enter;
-    *leave = far < *leave ? far : *leave;
-}
-
 /* leaves: the origin lies on the wave. That root is passed over, and others nearer than the shape's slack. */
 PM__INLINE pm__march pm__wave_begin(const pm__shape *shape, const double o[3], const double d[3], double reach,
                                     bool leaves, pm__above *over)
 {
     const double slack = shape->slack, a = shape->amplitude;
     double low = 0.0, high = (double)INFINITY, sine, cosine;
-    pm__wave_clip(o[0], d[0], shape->extent[0] + slack, &low, &high);
-    pm__wave_clip(o[1], d[1], shape->extent[1] + slack, &low, &high);
+    for (int axis = 0; axis < 2; axis++) {
+        const double half = shape->extent[axis] + slack;
+        pm__slab_cut(o[axis], 1.0 / d[axis], -half, half, &low, &high);
+    }
     /* A little higher than the wave, more so from far off: the height has its right sign where the ray comes in. */
     const double away = fabs(o[2] - shape->centre[2]), rounding = 0x1p-48 * away;
-    const double margin = rounding > 64.0 * slack ? rounding : 64.0 * slack;
-    pm__wave_clip(o[2] - shape->centre[2], d[2], fabs(a) * (1.0 + 1e-9) + margin, &low, &high);
+    const double crest = fabs(a) * (1.0 + 1e-9) + (rounding > 64.0 * slack ? rounding : 64.0 * slack);
+    pm__slab_cut(o[2] - shape->centre[2], 1.0 / d[2], -crest, crest, &low, &high);
     const double enter = leaves ? 0.0 : low;
     const double x = o[0] + enter * d[0], z = o[2] + enter * d[2] - shape->centre[2];
+    const double rate = shape->wavenumber * d[0]; /* of the phase, 1/m */
     pm__turns(shape->wavenumber * PM__PER_RADIAN * x, &sine, &cosine);
     over->climb = d[2];
-    over->rate = shape->wavenumber * d[0];
-    over->lift = a * over->rate;
-    over->bend = fabs(over->lift * over->rate);
-    over->turns = 0.5 * PM__PER_RADIAN * over->rate;
+    over->lift = a * rate;
+    over->bend = fabs(over->lift * rate);
+    over->turns = 0.5 * PM__PER_RADIAN * rate;
     over->last = high < reach ? high : reach;
     over->tolerance = 1e-15 * (high - enter);
     over->least = leaves ? slack : 0.0;

@@ -386,9 +386,5 @@ int main(void)
     tcase_add_loop_test(tcase, maps_with_hints_stay_below_24_bytes, 0, CLOUDS);
     tcase_add_test(tcase, ties_at_the_cut_go_to_the_lower_index);
     suite_add_tcase(suite, tcase);
-    SRunner *const runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+    return pm__test_run(suite);
 }

@@ -298,9 +298,5 @@ int main(void)
     tcase_add_loop_test(tcase, every_method_goes_on, 0, (int)pm__progressives.count);
     tcase_add_loop_test(tcase, every_method_stops_anywhere, 0, (int)pm__progressives.count);
     suite_add_tcase(suite, tcase);
-    SRunner *const runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+    return pm__test_run(suite);
 }
