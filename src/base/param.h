@@ -8,7 +8,7 @@
 
 #include "status.h"
 
-enum { PM__MAX_PARAMS = 8, PM__MAX_SPEC = 400 };
+enum { PM__MAX_PARAMS = 16, PM__MAX_SPEC = 400 };
 
 typedef enum pm__param_type { PM__REAL, PM__INTEGER, PM__CHOICE } pm__param_type;
 

@@ -4,7 +4,7 @@
 
 #include "../image/reference.h"
 #include "../transport/shoot.h"
-#include "eye.h"
+#include "../transport/eye.h"
 #include "render.h"
 
 /* What the plan says is to be done. */

@@ -1,7 +1,7 @@
 /* Paths from the camera through mirrors, glass and media, against what can be worked out by hand. Where chance decides,
  * the counts have their bounds for a false alarm in 1e-7 each (5.3 standard deviations of the binomial). */
 #include "../../src/base/vec3.h"
-#include "../../src/methods/eye.h"
+#include "../../src/transport/eye.h"
 #include "../lit.h"
 
 #include <string.h>

@@ -14,7 +14,7 @@
  * file. */
 #include "../../src/base/random.h"
 #include "../../src/base/sobol.h"
-#include "../../src/methods/eye.h"
+#include "../../src/transport/eye.h"
 #include "../lit.h"
 
 #include <string.h>

@@ -10,7 +10,7 @@
 
 #include "../../lookup/lookup.h"
 #include "../../transport/shoot.h"
-#include "../eye.h"
+#include "../../transport/eye.h"
 #include "../stage.h"
 
 enum { PM__OWN_FIELDS = 8 }; /* doubles of a point that estimates of the error need */
