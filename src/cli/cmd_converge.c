@@ -12,7 +12,6 @@
 
 #include "../../estimators/estimator.h"
 #include "../base/clock.h"
-#include "../search/search.h"
 
 #include <math.h>
 #include <stdlib.h>
