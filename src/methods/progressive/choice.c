@@ -16,13 +16,11 @@ enum { PHOTONS = 16384, SAMPLE = 4096 }; /* of the pilot at most, emitted; point
  * fewer than the first one does. PM__PAIRS has room for somewhat more. */
 static const double most_points = 3.0;
 
-/* Errors are estimated from lookups that reach farther: the map is there in any case, and to look the photons up in it
- * takes no longer. */
 static bool may_find(const pm__progression *p)
 {
     const pm__progressive_config *const config = p->config;
     const pm__progressive *const method = (const pm__progressive *)(const void *)config->method->entry;
-    if (!method->summed || config->search || config->estimates)
+    if (!method->summed || config->search)
         return false;
     const pm__estimator *const kernel = pm__estimator_of(&config->estimator->spec);
     return kernel->weight && !kernel->needs && pm__map_count_of(&config->estimator->spec) == 1;

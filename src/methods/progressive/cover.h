@@ -83,6 +83,9 @@ static inline size_t pm__cover_cell(const pm__cover *cover, const float position
  * Depends on the configuration alone. choice.c. As pm__shoot. */
 pm_status pm__choose_meeting(pm__progression *progression, pm_error *error);
 
+/* Makes the cover as pm__run_splat does, ahead of it. */
+pm_status pm__cover_ready(pm__run *run, bool *done, pm_error *error);
+
 /* The pass's photons at all points; makes the cover where there is none, or where it lists much too far. *done: false
  * where there can be none (pm__cover_make); nothing has happened then. ENOMEM. */
 pm_status pm__run_splat(pm__run *run, const pm__photon_set *set, bool *done, pm_error *error);

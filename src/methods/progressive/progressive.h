@@ -205,6 +205,8 @@ pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_
 pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error);
 /* Looks up at every point by the method's ask and take. */
 pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error);
+/* Looks, at fixed points, only for what tells of the estimates' bias: before the state takes the same photons. */
+pm_status pm__run_further_lookups(pm__run *run, const pm_map *map, pm_error *error);
 
 /* `averages` of most. */
 static inline bool pm__always_averages(const double *values)

@@ -91,6 +91,20 @@ pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map
     return make_map(run, set, asked || !radii ? asked : pm_search_find("grid"), map, error);
 }
 
+/* Whether errors are estimated changes no bit of an answer: photons find the points all the same, once the points have
+ * looked further for what tells of the bias. */
+static pm_status find_points(pm__run *run, const pm__photon_set *set, bool *found, pm_error *error)
+{
+    pm_map *map = NULL;
+    pm_status status = pm__cover_ready(run, found, error);
+    if (status == PM_OK && *found && run->of->config->estimates)
+        status = pm__run_pass_map(run, set, &map, error);
+    if (status == PM_OK && map)
+        status = pm__run_further_lookups(run, map, error);
+    pm_map_destroy(map);
+    return status == PM_OK && *found ? pm__run_splat(run, set, found, error) : status;
+}
+
 /* The photons are freed as soon as the map has them. */
 static pm_status look_up(pm__run *run, pm__photon_set *set, pm_error *error)
 {
@@ -109,7 +123,7 @@ static pm_status photon_pass(pm__run *run, pm_error *error)
     bool found = false;
     pm_status status = pm__run_shoot(run, run->passes, &set, error);
     if (status == PM_OK && run->of->meeting.by_photons)
-        status = pm__run_splat(run, &set, &found, error);
+        status = find_points(run, &set, &found, error);
     if (status == PM_OK && !found)
         status = look_up(run, &set, error);
     pm__photon_set_free(&set);

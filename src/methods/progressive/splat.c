@@ -343,7 +343,7 @@ static void find_some(splatting *s, const pm_parallel *parallel)
 }
 
 /* Where radii have shrunk to half the area that is listed, half of what is measured is in vain. */
-static pm_status renew(pm__run *run, pm_error *error)
+pm_status pm__cover_ready(pm__run *run, bool *done, pm_error *error)
 {
     const double start = pm__seconds();
     pm_status status = PM_OK;
@@ -354,6 +354,7 @@ static pm_status renew(pm__run *run, pm_error *error)
     if (!run->cover)
         status = pm__cover_make(run, &run->cover, error);
     run->build_s += pm__seconds() - start;
+    *done = status == PM_OK && run->cover;
     return status;
 }
 
@@ -361,8 +362,7 @@ pm_status pm__run_splat(pm__run *run, const pm__photon_set *set, bool *done, pm_
 {
     const pm_parallel *const parallel = run->of->config->parallel;
     const pm__spec *const kernel = &run->of->config->estimator->spec;
-    const pm_status status = renew(run, error);
-    *done = status == PM_OK && run->cover;
+    const pm_status status = pm__cover_ready(run, done, error);
     if (!*done)
         return status;
     const double start = pm__seconds();
