@@ -12,7 +12,6 @@
 
 #include "../../estimators/estimator.h"
 #include "../base/clock.h"
-#include "../search/search.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,8 +75,6 @@ static pm_status fill_defaults(pm__settings *s, pm_error *error)
         c->passes = s->full ? FULL_PASSES : QUICK_PASSES;
     if (!c->photons_per_pass)
         c->photons_per_pass = PHOTONS;
-    if (!s->search)
-        s->search = pm__searches.entries[0]->name;
     return status;
 }
 
@@ -237,7 +234,7 @@ static void configure(work *w)
 {
     const pm__settings *const s = w->task.settings;
     const pm__converge_options *const c = &s->converge;
-    w->task.search = s->search;
+    w->task.search = s->search ? s->search : "auto";
     w->task.config = (pm__converge_config){
         .progressive = {.width = s->render.width, /* 0: as the scene has it */
                         .height = s->render.height,
@@ -245,7 +242,7 @@ static void configure(work *w)
                         .k = k_of(s),
                         .photons = c->photons_per_pass,
                         .front_only = s->lookup.front_only,
-                        .search = pm_search_find(s->search),
+                        .search = s->search ? pm_search_find(s->search) : NULL,
                         .sampler = sampler_of(&s->samplers.items[0]),
                         .seed = s->seed,
                         .parallel = &w->parallel,
@@ -388,7 +385,7 @@ static const pm__option *const options_taken[] = {
     &pm__converge_option_photons, &pm__converge_option_radius,    &pm__converge_option_k,
     &pm__converge_option_size,    &pm__converge_option_seconds,   &pm__converge_option_at,
     &pm__converge_option_sampler, &pm__converge_option_error,     &pm__converge_option_checkpoint,
-    &pm__converge_option_checkpoint_seconds, &pm__converge_option_resume, &pm__option_search,
+    &pm__converge_option_checkpoint_seconds, &pm__converge_option_resume, &pm__converge_option_search,
     &pm__option_front,            &pm__option_profile,            &pm__option_seed,
     &pm__option_threads,          &pm__option_json,               &pm__option_csv,
     &pm__option_markdown,         &pm__option_output,             &pm__option_quiet};

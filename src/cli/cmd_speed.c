@@ -200,7 +200,7 @@ const pm__command pm__command_speed = {
             "  trace-threads  photons shot on all threads, to one                   at least 1.8 times its rate\n"
             "  visualize      a photon map's image, to its rays and bare search     at most 1.5 times their time\n"
             "  skip           a render of what is needed, to one of everything      the same image\n"
-            "  pass           a pass of ppm, to its tracing, map and bare search    at most 1.3 times their time\n"
+            "  pass           a pass of ppm, to its tracing and bare searches       at most 1.3 times their time\n"
             "  pass-threads   such a pass on all threads, to one                    at least 1.8 times its rate\n"
             "  pass-rays      processors' time of such a pass, to Embree's random rays    at most 2 million\n"
             "Without a SCENE: trace and trace-threads of cornell, glass-sphere, integrating-sphere and\n"

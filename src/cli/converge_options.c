@@ -139,6 +139,11 @@ static pm_status set_resume(pm__settings *s, const char *text, pm_error *error)
     return set_file(text, &s->converge.resume, error);
 }
 
+static pm_status set_search(pm__settings *s, const char *text, pm_error *error)
+{
+    return pm__option_search.set(s, text, error);
+}
+
 const pm__option pm__converge_option_method = {
     "method", 0, "METHOD,...", "how answers get better, or all (ppm)", set_method};
 const pm__option pm__converge_option_estimator = {
@@ -173,3 +178,5 @@ const pm__option pm__converge_option_checkpoint_seconds = {
     "checkpoint-seconds", 0, "S", "time between two checkpoints (60)", set_checkpoint_seconds};
 const pm__option pm__converge_option_resume = {
     "resume", 0, "FILE", "go on from this checkpoint of the same options, and keep it up to date", set_resume};
+const pm__option pm__converge_option_search = {
+    "search", 0, "SEARCH", "look all photons up by it (what is fastest, by method)", set_search};

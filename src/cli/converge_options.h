@@ -10,5 +10,6 @@ extern const pm__option pm__converge_option_photons, pm__converge_option_radius,
 extern const pm__option pm__converge_option_size, pm__converge_option_seconds, pm__converge_option_at;
 extern const pm__option pm__converge_option_sampler, pm__converge_option_error, pm__converge_option_checkpoint;
 extern const pm__option pm__converge_option_checkpoint_seconds, pm__converge_option_resume;
+extern const pm__option pm__converge_option_search;
 
 #endif

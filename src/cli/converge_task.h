@@ -21,7 +21,7 @@ typedef struct pm__converge_task {
     pm__converge_item *items;
     size_t count;
     pm__converge_config config; /* but for scene, method, estimator and alpha */
-    const char *search;
+    const char *search;         /* "auto": none is named, each method as it is fastest */
 } pm__converge_task;
 
 /* The options in effect: all that is needed to run the same again. converge_rows.c */

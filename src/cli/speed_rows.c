@@ -127,7 +127,7 @@ static void print_head(FILE *file, const pm__speed_row *row)
         "photons shot on all threads; times the rate of one",
         "the image of a photon map; times the rate of its rays and its bare search",
         "a render of what the scene needs; times the rate with all that is skipped (--no-skip)",
-        "a pass of progressive photon mapping; times the rate of its tracing, map and bare search",
+        "a pass of progressive photon mapping; times the rate of its tracing and bare searches",
         "such a pass on all threads; times the rate of one",
         "such a pass, processors' time; times the rate of two million random rays by Embree alone"};
     (void)fprintf(file, "%s: %s\n", pm__quantity_names[row->quantity], what[row->quantity]);

@@ -272,7 +272,7 @@ static const struct {
     {"plate water --estimator cone", "--estimator was [\"disc:last=full\"] and is "},
     {"plate water --sampler sobol", "--sampler was [\"poisson\"] and is [\"sobol\"] now"},
     {"plate water --front off", "--front was \"on\" and is \"off\" now"},
-    {"plate water --search grid", "--search was "},
+    {"plate water --search grid", "--search was \"auto\" and is \"grid\" now"},
     {"plate water --seed 2", "--seed was 1 and is 2 now"},
     {"plate", "scene was [\"scene:plate:ior=1.5,thickness=0.2\",\"scene:water:"},
     {"water plate", "scene was ["},
@@ -290,6 +290,11 @@ START_TEST(other_options_are_refused)
         ck_assert_ptr_nonnull(strstr(run->err, "state: a checkpoint of other options: "));
         ck_assert_str_eq(run->out, "");
     }
+    /* One by a search that was named: by the same and no other. */
+    (void)pm__expect(with_state(SMALL "--search wide --checkpoint @"), 0, NULL);
+    (void)pm__expect(with_state(SMALL "--resume @"), 2, "--search was \"wide\" and is \"auto\" now");
+    (void)pm__expect(with_state(SMALL "--search wide --quiet --resume @"), 0, "");
+    (void)pm__expect(with_state(SMALL "--checkpoint @"), 0, NULL);
     /* Sums depend on the processor's width. */
     ck_assert_int_eq(setenv("PHOTONBENCH_SIMD", "v2", 1), 0);
     const pm__run *const run = pm__run_program(with_state(SMALL "--quiet --resume @"));

@@ -167,6 +167,27 @@ START_TEST(options_are_echoed)
 END_TEST
 
 /* One for each scene, method, estimator and alpha, in this order. */
+/* By itself each method does as is fastest; a search that is named does it all. Sums are the same but for rounding. */
+START_TEST(a_search_where_one_is_named)
+{
+    json_t *const own = pm__expect_json("converge plate " TINY "--json -");
+    ck_assert_str_eq(text_of(json_object_get(own, "options"), "search"), "auto");
+    static const char *const searches[] = {"grid", "wide"};
+    for (size_t s = 0; s < 2; s++) {
+        char arguments[200];
+        (void)snprintf(arguments, sizeof arguments, "converge plate " TINY "--search %s --json -", searches[s]);
+        json_t *const named = pm__expect_json(arguments);
+        ck_assert_str_eq(text_of(json_object_get(named, "options"), "search"), searches[s]);
+        for (size_t i = 0; i < 4; i++) {
+            const double want = number_of(at(own, "rows", i), "rel_rmse");
+            PM_CHECK_NEAR(number_of(at(named, "rows", i), "rel_rmse"), want, 1e-9 * want);
+        }
+        json_decref(named);
+    }
+    json_decref(own);
+}
+END_TEST
+
 START_TEST(series_are_all_combinations)
 {
     json_t *const root = pm__expect_json(
@@ -457,5 +478,4 @@ END_TEST
 PM_TEST_MAIN("cli converge", rows_have_the_contract, fits_stand_beside_rows, watched_pixels, options_are_echoed,
              series_are_all_combinations, threads_do_not_matter, screen_is_100_columns, rows_as_tables,
              what_cannot_be_measured, every_usage_error, complete_or_absent, a_first_radius, seconds_end_it,
-             photons_end_what_emits_them, alpha_in_full,
-             an_error_ends_it, interrupted)
+             photons_end_what_emits_them, alpha_in_full, a_search_where_one_is_named, an_error_ends_it, interrupted)

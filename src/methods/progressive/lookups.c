@@ -236,13 +236,43 @@ static void look_at_block(void *argument, size_t block)
     pm_workspace_destroy(workspace);
 }
 
-pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error)
+/* Only what tells of the bias: the points are looked up, or found, otherwise. */
+static void look_further_at_block(void *argument, size_t block)
+{
+    looking *const work = argument;
+    const pm__progression *const p = work->run->of;
+    const size_t end = (block + 1) * POINTS < p->points ? (block + 1) * POINTS : p->points;
+    pm_workspace *workspace = NULL;
+    pm_status status = pm_workspace_create(64, &workspace);
+    for (size_t i = block * POINTS; i < end && status == PM_OK; i++) {
+        const double radius = p->fixed[i].material ? radius_of(work->run, i) : 0.0;
+        pm__found found = {.count = 0};
+        if (radius > 0.0)
+            status = look_further(work, &p->fixed[i], i, radius, workspace, &found);
+    }
+    if (status != PM_OK)
+        atomic_store(&work->failure, (int)status);
+    pm_workspace_destroy(workspace);
+}
+
+static pm_status look_everywhere(pm__run *run, const pm_map *map, void (*block)(void *argument, size_t index),
+                                 pm_error *error)
 {
     const pm__estimator *const kernel = pm__estimator_of(&run->of->config->estimator->spec);
     looking work = {.run = run, .map = map, .bare = kernel->weight && !kernel->needs};
     const double start = pm__seconds();
-    pm__for(run->of->config->parallel, (run->of->points + POINTS - 1) / POINTS, look_at_block, &work);
+    pm__for(run->of->config->parallel, (run->of->points + POINTS - 1) / POINTS, block, &work);
     run->lookup_s += pm__seconds() - start;
     const pm_status status = (pm_status)atomic_load(&work.failure);
     return status == PM_OK ? PM_OK : pm__fail(error, status, "lookups of a pass: %s", pm_status_text(status));
+}
+
+pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error)
+{
+    return look_everywhere(run, map, look_at_block, error);
+}
+
+pm_status pm__run_further_lookups(pm__run *run, const pm_map *map, pm_error *error)
+{
+    return look_everywhere(run, map, look_further_at_block, error);
 }

@@ -17,6 +17,7 @@ const pm__progressive pm__progressive_ppm = {
               .param_count = 2},
     .uses_photons = true,
     .shrinks = true,
+    .summed = true,
     .fields = PM__SHRINK_FIELDS,
     .begin = pm__shrink_begin,
     .ask = pm__shrink_ask,

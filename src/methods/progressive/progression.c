@@ -1,7 +1,7 @@
 /* What all runs of a configuration have in common: the scene, the points through the pixels' middles, and how far the
  * first lookups reach. */
+#include "cover.h"
 #include "curvature.h"
-#include "progressive.h"
 
 #include "../../base/memory.h"
 #include "../../base/parallel.h"
@@ -200,6 +200,8 @@ pm_status pm__progression_open(const pm__progressive_config *config, pm__progres
         pm__for(config->parallel, (p->points + POINTS - 1) / POINTS, find_points, p);
         status = set_radii(p, error);
     }
+    if (status == PM_OK)
+        status = pm__choose_meeting(p, error);
     if (status != PM_OK)
         pm__progression_close(p);
     return status;

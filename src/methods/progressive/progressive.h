@@ -45,6 +45,13 @@ typedef struct pm__hit_point {
     bool back;                     /* our side is the material's back */
 } pm__hit_point;
 
+/* Photons that find the points (cover.h), in the place of points that look for photons in a map of them. */
+typedef struct pm__meeting {
+    bool by_photons;
+    size_t chunk, chunks; /* photons of a task; tasks whose pairs of a photon and a point are kept at once; both >= 1 */
+    size_t pairs;         /* for which each of them has room, more or less */
+} pm__meeting;
+
 /* What all runs of a configuration have in common. */
 typedef struct pm__progression {
     const pm__progressive_config *config;
@@ -57,6 +64,8 @@ typedef struct pm__progression {
     pm__hit_point *fixed;    /* [points]: through the middle of each pixel */
     float *radius;           /* [points]: m, of the first lookup. The same for all trials */
     double moment;           /* m2 of the kernel (curvature.h), where errors are estimated and lookups shrink */
+    pm__meeting meeting;     /* how photons and points meet: times depend on it, and sums by rounding. No bit of them
+                                does on the sizes */
 } pm__progression;
 
 /* EINVAL: what is asked for cannot be (error says why); ENOMEM, ECANCELED. On error all is released. */
@@ -69,6 +78,7 @@ typedef struct pm__run {
     uint32_t passes; /* done */
     double *state;   /* [points * fields], and behind them what estimates of the error need */
     void *own;       /* of methods that keep more than that */
+    struct pm__cover *cover; /* of the points, once photons have sought them; NULL: not so */
     uint64_t emitted, stored; /* photons, of all passes */
     double trace_s, build_s, lookup_s; /* wall clock */
 } pm__run;
@@ -115,14 +125,14 @@ double pm__run_own_rel_rmse(const pm__run *run, const size_t *points, size_t cou
 
 /* ---- For methods ------------------------------------------------------------------------------- */
 
-/* What a lookup found. */
+/* What a lookup found. Where there was none (no surface, no radius) all is 0 but `emitted`. */
 typedef struct pm__found {
     double radiance[3]; /* W/(m2 sr), weighted: the estimate of this pass alone */
-    double emitted[3];
+    double emitted[3];  /* of the point: pm__hit_point. To methods that are `summed` 0 */
     double area;        /* m2, of the lookup: pi r^2; 0 where there was none */
     size_t count;       /* photons */
-    const pm__neighbors *neighbors; /* NULL where there was no lookup */
-    double unit;        /* m in the neighbours' unit */
+    const pm__neighbors *neighbors; /* NULL where there was no lookup; methods that are `summed` must not ask */
+    double unit;        /* m in the neighbours' unit; 0 where there are none */
     double share[3];    /* weight times BRDF where the surface scatters evenly: radiance of a unit of irradiance */
 } pm__found;
 
@@ -143,6 +153,8 @@ typedef struct pm__progressive {
     bool redraws;      /* points are drawn anew in each pass: the answer is the mean over a pixel, not that at its
                           middle */
     bool shrinks;      /* lookups have a radius that shrinks from the first one, by alpha; else k photons */
+    bool summed;       /* points stay, and `take` wants sums of what is found alone: radiance, area, count, share; what
+                          finds nothing it leaves as it is. Then photons may find the points */
     size_t fields;     /* doubles of a point's state, all 0 before the first pass unless `begin` says otherwise */
     void (*begin)(const pm__run *run, size_t point, double *state); /* may be NULL */
     /* The next lookup's k and radius, in m; k = 0: all within the radius. */
@@ -193,6 +205,8 @@ pm_status pm__run_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_
 pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map, pm_error *error);
 /* Looks up at every point by the method's ask and take. */
 pm_status pm__run_lookups(pm__run *run, const pm_map *map, pm_error *error);
+/* Looks, at fixed points, only for what tells of the estimates' bias: before the state takes the same photons. */
+pm_status pm__run_further_lookups(pm__run *run, const pm_map *map, pm_error *error);
 
 /* `averages` of most. */
 static inline bool pm__always_averages(const double *values)

@@ -1,4 +1,4 @@
-#include "progressive.h"
+#include "cover.h"
 
 #include "../../base/clock.h"
 #include "../../base/memory.h"
@@ -37,6 +37,7 @@ void pm__run_end(pm__run *run)
 {
     if (run->of && pm__progressive_of(run)->release)
         pm__progressive_of(run)->release(run);
+    pm__cover_free(run->cover);
     free(run->state);
     *run = (pm__run){.of = NULL};
 }
@@ -90,17 +91,42 @@ pm_status pm__run_pass_map(pm__run *run, const pm__photon_set *set, pm_map **map
     return make_map(run, set, asked || !radii ? asked : pm_search_find("grid"), map, error);
 }
 
-static pm_status photon_pass(pm__run *run, pm_error *error)
+/* Whether errors are estimated changes no bit of an answer: photons find the points all the same, once the points have
+ * looked further for what tells of the bias. */
+static pm_status find_points(pm__run *run, const pm__photon_set *set, bool *found, pm_error *error)
 {
-    pm__photon_set set = {0};
     pm_map *map = NULL;
-    pm_status status = pm__run_shoot(run, run->passes, &set, error);
-    if (status == PM_OK)
-        status = pm__run_pass_map(run, &set, &map, error);
-    pm__photon_set_free(&set);
+    pm_status status = pm__cover_ready(run, found, error);
+    if (status == PM_OK && *found && run->of->config->estimates)
+        status = pm__run_pass_map(run, set, &map, error);
+    if (status == PM_OK && map)
+        status = pm__run_further_lookups(run, map, error);
+    pm_map_destroy(map);
+    return status == PM_OK && *found ? pm__run_splat(run, set, found, error) : status;
+}
+
+/* The photons are freed as soon as the map has them. */
+static pm_status look_up(pm__run *run, pm__photon_set *set, pm_error *error)
+{
+    pm_map *map = NULL;
+    pm_status status = pm__run_pass_map(run, set, &map, error);
+    pm__photon_set_free(set);
     if (status == PM_OK)
         status = pm__run_lookups(run, map, error);
     pm_map_destroy(map);
+    return status;
+}
+
+static pm_status photon_pass(pm__run *run, pm_error *error)
+{
+    pm__photon_set set = {0};
+    bool found = false;
+    pm_status status = pm__run_shoot(run, run->passes, &set, error);
+    if (status == PM_OK && run->of->meeting.by_photons)
+        status = find_points(run, &set, &found, error);
+    if (status == PM_OK && !found)
+        status = look_up(run, &set, error);
+    pm__photon_set_free(&set);
     return status;
 }
 
@@ -121,6 +147,10 @@ pm_status pm__run_resume(pm__run *run, const double *state, uint32_t passes, pm_
     const pm__progressive *const method = pm__progressive_of(run);
     memcpy(run->state, state, pm__run_state_count(run->of) * sizeof *state);
     run->passes = passes;
+    if (run->cover && !pm__cover_follow(run->cover, run)) {
+        pm__cover_free(run->cover);
+        run->cover = NULL;
+    }
     return method->settle ? method->settle(run, error) : PM_OK;
 }
 
