@@ -335,8 +335,16 @@ pm_status pm__harvest_paths(const pm__shoot_config *config, const pm__harvest_wi
     gathering g = {.config = config, .wish = wish, .harvest = harvest, .lock = PTHREAD_MUTEX_INITIALIZER};
     const bool usual = wish->power > 0.0 && isfinite(wish->power);
     *harvest = (pm__harvest){.unit = usual ? ldexp(1.0, ilogb(wish->power)) : 1.0};
+    pm__photon_room *const room = config->normals || wish->marks ? NULL : config->room;
+    if (room) {
+        harvest->photons = room->photons;
+        g.room = room->capacity;
+        *room = (pm__photon_room){NULL, 0};
+    }
     const pm_status status = gather(&g);
     free_blocks(&g);
+    if (status == PM_OK && room)
+        *room = (pm__photon_room){harvest->photons, g.room};
     if (status == PM_OK)
         return PM_OK;
     if (status == PM_EINVAL)

@@ -31,7 +31,9 @@ typedef struct pm__harvest {
     double unit;          /* W: a power of two about the power that is sent, so that floats hold what scenes do not */
 } pm__harvest;
 
-/* Traces paths until `wanted` photons are stored, the last path as a whole, or `most` paths are traced, or next to none
+/* Where config has room, and neither normals nor marks are wanted, photons lie in that; after an error it is empty.
+ *
+ * Traces paths until `wanted` photons are stored, the last path as a whole, or `most` paths are traced, or next to none
  * is stored: then count < wanted. Uses config's normals, parallel and canceled. Memory: what is given back, and for
  * each thread what about a thousand paths store; while one of them lags behind, what 131072 paths do at most. EINVAL:
  * a photon's power is more than a float holds; ENOMEM; ECANCELED; on error nothing is to be freed. */

@@ -66,6 +66,7 @@ static pm_status try_out(const pm__shoot_config *config, const pm__emission *emi
     const pm__trace_config tracing = {config->scene, config->paths, config->seed, config->trial, emission};
     pm__shoot_config plain = *config;
     plain.normals = false;
+    plain.room = NULL;
     size_t wanted = config->count / TRIED_SHARE;
     wanted = wanted < FEWEST_TRIED ? FEWEST_TRIED : wanted > MOST_TRIED ? MOST_TRIED : wanted;
     const pm__harvest_wish wish = {.tracer = trace_range, .tracing = &tracing, .power = emission->total,
@@ -111,11 +112,27 @@ static void trim(void **array, size_t bytes)
         *array = trimmed;
 }
 
-static void hand_over(pm__harvest *h, pm__photon_set *set)
+static bool is_in_room(const pm__shoot_config *config, const pm__harvest *h)
 {
+    return config->room && h->photons == config->room->photons;
+}
+
+static void drop(const pm__shoot_config *config, pm__harvest *h)
+{
+    if (is_in_room(config, h))
+        *config->room = (pm__photon_room){NULL, 0};
+    pm__harvest_free(h);
+}
+
+static void hand_over(const pm__shoot_config *config, pm__harvest *h, pm__photon_set *set)
+{
+    if (is_in_room(config, h)) {
+        *set = (pm__photon_set){h->photons, NULL, h->count, h->emitted, true};
+        return;
+    }
     trim((void **)&h->photons, h->count * sizeof *h->photons);
     trim((void **)&h->normals, h->count * sizeof *h->normals);
-    *set = (pm__photon_set){h->photons, h->normals, h->count, h->emitted};
+    *set = (pm__photon_set){h->photons, h->normals, h->count, h->emitted, false};
     free(h->marks);
 }
 
@@ -149,9 +166,9 @@ pm_status pm__shoot(const pm__shoot_config *config, pm__photon_set *set, pm_erro
     else
         status = shoot_stored(config, &emission, &h, error);
     if (status == PM_OK)
-        hand_over(&h, set);
+        hand_over(config, &h, set);
     else
-        pm__harvest_free(&h);
+        drop(config, &h);
     return status;
 }
 
@@ -171,6 +188,7 @@ pm_status pm__shoot_shadows(const pm__shoot_config *config, size_t light, pm__ph
 {
     pm__shoot_config all = *config;
     all.emitted = true;
+    all.room = NULL;
     pm__emission emission;
     pm__harvest h = {0};
     *set = (pm__photon_set){0};
@@ -188,7 +206,7 @@ pm_status pm__shoot_shadows(const pm__shoot_config *config, size_t light, pm__ph
     if (status == PM_OK)
         status = list_shadows(&h, shadow, error);
     if (status == PM_OK)
-        hand_over(&h, set);
+        hand_over(&all, &h, set);
     else
         pm__harvest_free(&h);
     return status;
@@ -196,7 +214,8 @@ pm_status pm__shoot_shadows(const pm__shoot_config *config, size_t light, pm__ph
 
 void pm__photon_set_free(pm__photon_set *set)
 {
-    free(set->photons);
+    if (!set->borrowed)
+        free(set->photons);
     free(set->normals);
     *set = (pm__photon_set){0};
 }

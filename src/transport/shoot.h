@@ -6,6 +6,13 @@
 #include "projection.h"
 #include "trace.h"
 
+/* Memory that one set of photons after the other lies in: what is touched once need not be cleared by the system again.
+ * Empty at first; photons: freed by the owner with free(). */
+typedef struct pm__photon_room {
+    pm_photon *photons;
+    size_t capacity;
+} pm__photon_room;
+
 typedef struct pm__shoot_config {
     const pm__scene *scene;
     const pm__paths *paths;           /* which are stored; NULL: all */
@@ -17,6 +24,8 @@ typedef struct pm__shoot_config {
     bool emitted;                     /* ... emitted; else stored */
     uint64_t most;                    /* emitted, when so many are to be stored: fewer are then; 0: no limit */
     bool normals;                     /* surface normals are wanted too */
+    pm__photon_room *room;            /* that the set, of photons emitted without normals, is to lie in: it is gone when
+                                         the room is used again. NULL: memory of its own */
     const pm_parallel *parallel;      /* NULL: this thread */
     bool (*canceled)(void *context);  /* NULL: never. Asked by several threads */
     void *context;
@@ -27,6 +36,7 @@ typedef struct pm__photon_set {
     float (*normals)[3];  /* unit, on the side that the photon came from; NULL unless asked for */
     size_t count;
     uint64_t emitted;
+    bool borrowed;        /* the photons' memory is a room's */
 } pm__photon_set;
 
 /* Unbiased whether photons are counted as emitted or stored (errata 37). Photons that are stored along a path: with

@@ -392,7 +392,7 @@ static bool stop_at_once(void *context)
 static void check_refused(const pm__shoot_config *config, pm_status expected, const char *text)
 {
     pm_error error = {""};
-    pm__photon_set set = {NULL, NULL, 1, 1};
+    pm__photon_set set = {.count = 1, .emitted = 1};
     ck_assert_int_eq(pm__shoot(config, &set, &error), expected);
     ck_assert_msg(strstr(error.text, text), "'%s' does not say '%s'", error.text, text);
     ck_assert(!set.photons && !set.normals && set.count == 0 && set.emitted == 0);
@@ -452,6 +452,39 @@ START_TEST(test_powers_of_floats)
 }
 END_TEST
 
+/* A room for sets, used for one after the other: the same photons, nothing lost, and empty after an error. */
+START_TEST(test_room)
+{
+    static const size_t counts[] = {700, 3000, 20, 2000};
+    pm__scene *const scene = room(0.3);
+    pm__photon_room of_photons = {NULL, 0};
+    for (size_t i = 0; i < 2 * sizeof counts / sizeof *counts; i++) {
+        const size_t at = i / 2;
+        const bool spread = i % 2;
+        pm__shoot_config config = {.scene = scene, .seed = 5, .trial = (uint32_t)i, .count = counts[at],
+                                   .emitted = true, .sampler = spread ? lit_sampler("sobol") : NULL};
+        pm__photon_set own = lit_shoot(&config);
+        config.room = &of_photons;
+        pm__photon_set set = lit_shoot(&config);
+        ck_assert(same(&own, &set));
+        ck_assert(set.photons == of_photons.photons && of_photons.capacity >= set.count);
+        pm__photon_set_free(&set);
+        ck_assert_ptr_nonnull(of_photons.photons);
+        config.normals = true; /* these have memory of their own */
+        set = lit_shoot(&config);
+        ck_assert(set.photons != of_photons.photons);
+        pm__photon_set_free(&set);
+        pm__photon_set_free(&own);
+    }
+    const pm__shoot_config stopped = {.scene = scene, .count = 1000, .emitted = true, .canceled = stop_at_once,
+                                      .room = &of_photons};
+    check_refused(&stopped, PM_ECANCELED, "canceled");
+    ck_assert(!of_photons.photons && !of_photons.capacity);
+    pm__scene_destroy(scene);
+}
+END_TEST
+
 PM_TEST_MAIN("shoot", test_counts, test_emitted_are_those_traced, test_same_for_any_threads,
              test_power_where_all_is_stored, test_moved_glass_changes_what_it_touches, test_only_the_caustic_moves,
-             test_lights_by_share, test_about_as_many_as_asked, test_shadows, test_refusals, test_powers_of_floats)
+             test_lights_by_share, test_about_as_many_as_asked, test_shadows, test_refusals, test_powers_of_floats,
+             test_room)

@@ -6,14 +6,14 @@
  * however the work is cut: the cover and the room that there is for pairs change times, never a bit of a result.
  *
  * Memory: some 300 bytes a point, and for pairs of a photon and a point at most PM__CHUNKS lists of PM__PAIRS of them
- * (16 x 0.9 MB), whatever there are in a pass. */
+ * (16 x 0.4 MB), whatever there are in a pass: it is read again before it has left the near caches. */
 #ifndef PM_METHODS_PROGRESSIVE_COVER_H
 #define PM_METHODS_PROGRESSIVE_COVER_H
 
 #include "progressive.h"
 
 /* Photons of a task; tasks whose pairs are kept at once, and pairs for which each has room, more or less. */
-enum { PM__CHUNK = 8192, PM__CHUNKS = 16, PM__PAIRS = 32768 };
+enum { PM__CHUNK = 4096, PM__CHUNKS = 16, PM__PAIRS = 16384 };
 
 /* In a cell's own terms, steps of `step` from its lower corner less `margin`: what is read most must be small. */
 typedef struct pm__listed {

@@ -78,6 +78,7 @@ typedef struct pm__run {
     uint32_t passes; /* done */
     double *state;   /* [points * fields], and behind them what estimates of the error need */
     void *own;       /* of methods that keep more than that */
+    pm__photon_room room;    /* of a pass's photons where these seek the points */
     struct pm__cover *cover; /* of the points, once photons have sought them; NULL: not so */
     uint64_t emitted, stored; /* photons, of all passes */
     double trace_s, build_s, lookup_s; /* wall clock */

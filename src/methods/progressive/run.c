@@ -38,6 +38,7 @@ void pm__run_end(pm__run *run)
     if (run->of && pm__progressive_of(run)->release)
         pm__progressive_of(run)->release(run);
     pm__cover_free(run->cover);
+    free(run->room.photons);
     free(run->state);
     *run = (pm__run){.of = NULL};
 }
@@ -52,6 +53,7 @@ pm_status pm__run_shoot(pm__run *run, uint32_t pass, pm__photon_set *set, pm_err
                                        .sampler = config->sampler,
                                        .count = config->photons,
                                        .emitted = true,
+                                       .room = run->of->meeting.by_photons ? &run->room : NULL,
                                        .parallel = config->parallel,
                                        .canceled = config->canceled,
                                        .context = config->context};
