@@ -15,7 +15,7 @@ for scene in "$@"; do
     torus | lamp) size=32x32 spp=524288 ;;
     egg) size=64x64 spp=131072 ;;
     office) size=64x64 spp=32768 ;;
-    maze) size=64x64 spp=8192 ;;
+    maze) size=64x64 spp=4096 ;;
     wide-floor) size=64x64 spp=524288 ;;
     *) size=128x128 spp=4096 ;;
     esac
