@@ -197,8 +197,8 @@ static int reached(const pm__scene *scene, int rooms, int *doors)
             ck_assert_msg(x + step[d][0] >= 0 && x + step[d][0] < rooms && i >= 0 && i < rooms * rooms,
                           "a door to nowhere");
             (*doors)++;
-            queue[count] = i;
-            count += !seen[i];
+            if (!seen[i])
+                queue[count++] = i;
             seen[i] = true;
         }
     }
