@@ -9,6 +9,7 @@
 #include "importance.h"
 
 #include "importons.h"
+#include "nearest.h"
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
@@ -20,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 1024, AT_ONCE = 16 };
+enum { BLOCK = 1024, AT_ONCE = PM__NEAREST_AT_ONCE };
 enum { VALUE, RADIUS }; /* within `power` of an importon that carries an estimate: 1/m2, m */
 
 static const double pi = 3.14159265358979323846;
@@ -29,7 +30,7 @@ static const double reach_in_radii = 16.0, important_share = 0.1;
 typedef struct field {
     size_t count;           /* importons traced */
     pm_map *map;            /* of those that carry; NULL: there are none */
-    float reach;            /* m: no importance is farther than this from what carries it */
+    pm__nearest *nearest;   /* of it */
     double mean, greatest;  /* 1/m2 */
 } field;
 
@@ -169,7 +170,7 @@ static double value_of(const estimating *e, double scale, size_t carrier)
 
 static pm_status make_field(const estimating *e, field *made)
 {
-    float farthest = 0.0f;
+    double farthest = 0.0, sum = 0.0;
     const double scale = pixel_scale(e);
     pm_photon *const photons = pm__alloc(e->carriers, sizeof *photons);
     if (!photons)
@@ -180,13 +181,17 @@ static pm_status make_field(const estimating *e, field *made)
         photons[i] = e->set->importons[i];
         photons[i].power[VALUE] = (float)value;
         photons[i].power[RADIUS] = e->radius[i];
-        farthest = fmaxf(farthest, e->radius[i]);
+        farthest = fmax(farthest, (double)e->radius[i]);
+        sum += log((double)e->radius[i]);
         made->mean += value / (double)e->carriers;
         made->greatest = fmax(made->greatest, value);
     }
-    made->reach = (float)reach_in_radii * farthest;
+    /* In the disc of a usual radius there are `nearest` importons, of which a share carries. */
+    const double usual = exp(sum / (double)e->carriers), in_disc = e->config->share * (double)e->config->nearest;
     const pm_map_options options = {.parallel = e->config->parallel};
-    const pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
+    pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
+    if (status == PM_OK)
+        status = pm__nearest_create(made->map, reach_in_radii * farthest, usual * sqrt(pi / in_disc), &made->nearest);
     free(photons);
     return status;
 }
@@ -280,8 +285,10 @@ void pm__importance_destroy(pm__importance *importance)
 {
     if (!importance)
         return;
-    for (int kind = 0; kind < PM__MAP_KINDS; kind++)
+    for (int kind = 0; kind < PM__MAP_KINDS; kind++) {
+        pm__nearest_destroy(importance->fields[kind].nearest);
         pm_map_destroy(importance->fields[kind].map);
+    }
     free(importance);
 }
 
@@ -318,34 +325,18 @@ static float value_at(const field *f, const pm_neighbor *near)
                                                                   : 0.0f;
 }
 
-static pm_status look_up_some(const field *f, const float (*positions)[3], const float (*normals)[3], size_t count,
-                              float *values)
-{
-    pm_query queries[AT_ONCE];
-    pm_neighbor near[AT_ONCE];
-    size_t found[AT_ONCE];
-    for (size_t i = 0; i < count; i++) {
-        pm_query_init(&queries[i]);
-        memcpy(queries[i].position, positions[i], sizeof queries[i].position);
-        memcpy(queries[i].normal, normals[i], sizeof queries[i].normal);
-        queries[i].k = 1;
-        queries[i].max_radius = f->reach;
-        queries[i].front_only = true;
-    }
-    const pm_status status = pm_map_search_batch(f->map, queries, count, near, 1, found);
-    for (size_t i = 0; i < count; i++)
-        values[i] = status == PM_OK && found[i] ? value_at(f, &near[i]) : 0.0f;
-    return status;
-}
-
 pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
                             const float (*normals)[3], size_t count, float *values)
 {
     const field *const f = &importance->fields[kind];
-    pm_status status = PM_OK;
+    pm_neighbor found[AT_ONCE];
     if (!f->map)
         memset(values, 0, count * sizeof *values);
-    for (size_t i = 0; i < count && f->map && status == PM_OK; i += AT_ONCE)
-        status = look_up_some(f, positions + i, normals + i, count - i < AT_ONCE ? count - i : AT_ONCE, values + i);
-    return status;
+    for (size_t first = 0; first < count && f->map; first += AT_ONCE) {
+        const size_t rest = count - first, some = rest < AT_ONCE ? rest : AT_ONCE;
+        pm__nearest_find(f->nearest, positions + first, normals + first, some, found);
+        for (size_t i = 0; i < some; i++)
+            values[first + i] = found[i].number == UINT32_MAX ? 0.0f : value_at(f, &found[i]);
+    }
+    return PM_OK;
 }
