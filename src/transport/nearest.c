@@ -3,8 +3,8 @@
  * point of the cube, if that one is in front for every normal: of squared distances the difference is linear, so its
  * largest value over the cube is known. Where a list would be long, cells of half the size have lists instead.
  *
- * Lists are made when a cell is first asked for, and are a function of map and cell alone. Threads that meet make the
- * same one, and one of them leaves it in the table. */
+ * A list costs about as much as PATIENCE searches, so it is made when a cell has been asked for so often; it is a
+ * function of map and cell alone. Threads that meet make the same one, and one of them leaves it in the table. */
 #include "nearest.h"
 
 #include "../base/memory.h"
@@ -17,7 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEVELS = 6, MOST_LISTED = 16, MOST_GATHERED = 512, SEEDS = 8, PROBES = 8 };
+enum { LEVELS = 6, MOST_LISTED = 16, MOST_GATHERED = 512, SEEDS = 8, PROBES = 8,
+       PATIENCE = 8 };
 enum { STEPS = 8, NODES = 2 * STEPS + 1 }; /* directions: 17 x 17 on each face of a cube */
 static const uint32_t ask_side = (uint32_t)1 << 31, finer = UINT32_MAX;
 /* How far, at most, a unit normal lies from the one that its cone is named after: sqrt(2) / 16 on the cube's face. */
@@ -42,9 +43,10 @@ typedef struct entry {
 struct pm__nearest {
     const pm_map *map;
     float reach2;  /* map units squared */
-    double size;   /* of the largest cells, map units: a power of two, so that places fall into cells exactly */
+    double per_size[LEVELS]; /* one over the cells' size, map units: a power of two, so places fall into them exactly */
     size_t mask;   /* slots - 1 */
     _Atomic(entry *) *slots;
+    _Atomic unsigned char *asked; /* how often, by slot, while that is empty */
 };
 
 /* A point that is asked about. */
@@ -83,9 +85,8 @@ static void middle_of(uint32_t number, float normal[3])
 /* false: too far off to be counted. */
 static bool key_of(const pm__nearest *nearest, const asked *point, uint32_t level, key *made)
 {
-    const double per_size = ldexp(1.0, (int)level) / nearest->size;
     for (int i = 0; i < 3; i++) {
-        const double at = floor((double)point->place[i] * per_size);
+        const double at = floor((double)point->place[i] * nearest->per_size[level]);
         if (!(fabs(at) < 1e9))
             return false;
         made->cell[i] = (int32_t)at;
@@ -243,7 +244,7 @@ static void thin_out(gathering *g)
 
 static void gather_cell(const pm__nearest *nearest, const key *k, gathering *g)
 {
-    const double size = ldexp(nearest->size, -(int)(k->kind >> 16)), diagonal = sqrt(3.0) * 0.5 * size * (1.0 + 1e-6);
+    const double size = 1.0 / nearest->per_size[k->kind >> 16], diagonal = sqrt(3.0) * 0.5 * size * (1.0 + 1e-6);
     g->map = nearest->map;
     g->half = 0.5 * size;
     g->count = 0;
@@ -279,14 +280,17 @@ static entry *make_entry(const pm__nearest *nearest, const key *k)
     return made;
 }
 
-/* NULL: no room. */
+/* NULL: no room, or not yet. */
 static const entry *entry_of(pm__nearest *nearest, const key *k)
 {
-    const size_t at = slot_of(k);
+    const size_t first = slot_of(k);
     for (size_t i = 0; i < PROBES; i++) {
-        _Atomic(entry *) *const slot = &nearest->slots[(at + i) & nearest->mask];
+        const size_t at = (first + i) & nearest->mask;
+        _Atomic(entry *) *const slot = &nearest->slots[at];
         entry *there = atomic_load_explicit(slot, memory_order_acquire);
         if (!there) {
+            if (atomic_fetch_add_explicit(&nearest->asked[at], 1, memory_order_relaxed) < PATIENCE)
+                return NULL;
             entry *const made = make_entry(nearest, k);
             if (!made || atomic_compare_exchange_strong_explicit(slot, &there, made, memory_order_acq_rel,
                                                                  memory_order_acquire))
@@ -385,9 +389,9 @@ void pm__nearest_find(pm__nearest *nearest, const float (*positions)[3], const f
 
 pm_status pm__nearest_create(const pm_map *map, double reach, double spacing, pm__nearest **nearest)
 {
-    enum { LEAST_SLOTS = 1 << 12, MOST_SLOTS = 1 << 20 };
+    enum { LEAST_SLOTS = 1 << 17, MOST_SLOTS = 1 << 20 };
     size_t slots = LEAST_SLOTS;
-    while (slots < MOST_SLOTS && slots < 4 * pm_map_count(map))
+    while (slots < MOST_SLOTS && slots < 16 * pm_map_count(map))
         slots *= 2;
     pm__nearest *const made = pm__alloc_zero(1, sizeof *made);
     *nearest = NULL;
@@ -396,10 +400,14 @@ pm_status pm__nearest_create(const pm_map *map, double reach, double spacing, pm
     const double framed = reach * map->inverse_unit, size = fmin(fmax(spacing * map->inverse_unit, 1e-9), 1e9);
     made->map = map;
     made->reach2 = (float)fmin(framed * framed, 1e37);
-    made->size = ldexp(1.0, (int)rint(log2(size)));
+    for (int level = 0; level < LEVELS; level++)
+        made->per_size[level] = ldexp(1.0, level - (int)rint(log2(size)));
     made->mask = slots - 1;
     made->slots = pm__alloc_zero(slots, sizeof *made->slots);
-    if (!made->slots) {
+    made->asked = pm__alloc_zero(slots, sizeof *made->asked);
+    if (!made->slots || !made->asked) {
+        free((void *)made->slots);
+        free((void *)made->asked);
         free(made);
         return PM_ENOMEM;
     }
@@ -414,5 +422,6 @@ void pm__nearest_destroy(pm__nearest *nearest)
     for (size_t i = 0; i <= nearest->mask; i++)
         free(atomic_load_explicit(&nearest->slots[i], memory_order_relaxed));
     free((void *)nearest->slots);
+    free((void *)nearest->asked);
     free(nearest);
 }

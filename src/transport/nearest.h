@@ -15,9 +15,9 @@ void pm__nearest_destroy(pm__nearest *nearest); /* NULL is allowed */
 
 enum { PM__NEAREST_AT_ONCE = 16 };
 
-/* Of `count` points, at most so many: numbers[i] in the map (UINT32_MAX: there is none) and the squared distance in map
- * units. NaN: there is none. From any number of threads. Cost: 20 to 60 ns a point; 1 to 10 us for the first in a cell
- * and with a normal like its own; a search where cells hold too many, or there are too many cells. */
+/* Of `count` points, at most so many: numbers in the map (UINT32_MAX: there is none) and squared distances in map
+ * units. NaN: there is none. From any number of threads. Cost: 50 to 100 ns a point; for the first few in a cell, with
+ * a normal like theirs, a search each, and a few times as much once. */
 void pm__nearest_find(pm__nearest *nearest, const float (*positions)[3], const float (*normals)[3], size_t count,
                       pm_neighbor *found);
 
