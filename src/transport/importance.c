@@ -1,0 +1,291 @@
+/* An estimate at an importon from its k nearest on this side, itself among them: it is there for certain, and the
+ * farthest lies on the rim. Where importons fall independently, those between have on average the share (k - 2) of the
+ * density that r encloses (erratum 13), whatever their weights: theirs alone are added up. Where they are spread
+ * evenly, as on what the camera sees straight, this is low by up to 1.5 / k. */
+#include "importance.h"
+
+#include "importons.h"
+
+#include "../base/memory.h"
+#include "../base/parallel.h"
+#include "../map/map.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 1024, AT_ONCE = 16 };
+enum { VALUE, RADIUS }; /* within `power` of an importon that carries an estimate: 1/m2, m */
+
+static const double pi = 3.14159265358979323846;
+static const double reach_in_radii = 16.0, important_share = 0.1;
+
+typedef struct field {
+    size_t count;           /* importons traced */
+    pm_map *map;            /* of those that carry; NULL: there are none */
+    float reach;            /* m: no importance is farther than this from what carries it */
+    double mean, greatest;  /* 1/m2 */
+} field;
+
+struct pm__importance {
+    field fields[PM__MAP_KINDS];
+};
+
+/* ---- Estimates --------------------------------------------------------------------------------- */
+
+/* At the first `carriers` importons, which their paths spread as evenly as all of them. */
+typedef struct estimating {
+    const pm__importance_config *config;
+    const pm__importons *set;
+    const pm_map *map;     /* of all importons */
+    size_t carriers;
+    uint32_t *order;       /* the carriers' numbers in the map, ascending: neighbours after each other */
+    double *screen;        /* 1/m2, [carriers] */
+    float *radius;         /* m */
+    _Atomic int failure;
+} estimating;
+
+/* Positions are floats: what lies closer together cannot be told apart. */
+static double least_radius(const float position[3])
+{
+    const float largest = fmaxf(fabsf(position[0]), fmaxf(fabsf(position[1]), fabsf(position[2])));
+    return fmax((double)largest * 0x1p-23, 1e-18);
+}
+
+static void estimate(const estimating *e, size_t carrier, const pm_neighbor *near, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = 1; i + 1 < count; i++)
+        sum += (double)pm__power(e->map, near[i].number)[PM__IMPORTON_PIXELS];
+    const double farthest = count ? sqrt((double)near[count - 1].distance2) * pm_map_unit(e->map) : 0.0;
+    const double radius = fmax(farthest, least_radius(e->set->importons[carrier].position));
+    e->screen[carrier] = sum / (pi * radius * radius);
+    e->radius[carrier] = (float)radius;
+}
+
+static pm_query query_at(const estimating *e, size_t carrier)
+{
+    pm_query query;
+    pm_query_init(&query);
+    memcpy(query.position, e->set->importons[carrier].position, sizeof query.position);
+    memcpy(query.normal, e->set->normals[carrier], sizeof query.normal);
+    query.k = e->config->nearest;
+    query.max_radius = INFINITY;
+    query.front_only = true;
+    return query;
+}
+
+static pm_status estimate_some(const estimating *e, size_t first, size_t count, pm_neighbor *near, size_t stride)
+{
+    pm_query queries[AT_ONCE];
+    size_t found[AT_ONCE], which[AT_ONCE];
+    for (size_t i = 0; i < count; i++) {
+        which[i] = pm_map_source(e->map, e->order[first + i]);
+        queries[i] = query_at(e, which[i]);
+    }
+    const pm_status status = pm_map_search_batch(e->map, queries, count, near, stride, found);
+    for (size_t i = 0; i < count && status == PM_OK; i++)
+        estimate(e, which[i], near + i * stride, found[i]);
+    return status;
+}
+
+static void estimate_block(void *argument, size_t block)
+{
+    estimating *const e = argument;
+    const size_t all = pm_map_count(e->map), stride = e->config->nearest < all ? e->config->nearest : all;
+    const size_t first = block * BLOCK, end = first + BLOCK < e->carriers ? first + BLOCK : e->carriers;
+    const bool canceled = e->config->canceled && e->config->canceled(e->config->context);
+    pm_neighbor *const near = canceled ? NULL : pm__alloc(AT_ONCE * stride, sizeof *near);
+    pm_status status = canceled ? PM_ECANCELED : near ? PM_OK : PM_ENOMEM;
+    for (size_t i = first; i < end && status == PM_OK; i += AT_ONCE)
+        status = estimate_some(e, i, end - i < AT_ONCE ? end - i : AT_ONCE, near, stride);
+    free(near);
+    if (status != PM_OK)
+        atomic_store(&e->failure, (int)status);
+}
+
+/* ---- What carries them ------------------------------------------------------------------------- */
+
+static double value_of(const estimating *e, size_t carrier)
+{
+    return fmin(e->screen[carrier], (double)FLT_MAX);
+}
+
+static pm_status make_field(const estimating *e, field *made)
+{
+    float farthest = 0.0f;
+    pm_photon *const photons = pm__alloc(e->carriers, sizeof *photons);
+    if (!photons)
+        return PM_ENOMEM;
+    made->mean = made->greatest = 0.0;
+    for (size_t i = 0; i < e->carriers; i++) {
+        const double value = value_of(e, i);
+        photons[i] = e->set->importons[i];
+        photons[i].power[VALUE] = (float)value;
+        photons[i].power[RADIUS] = e->radius[i];
+        farthest = fmaxf(farthest, e->radius[i]);
+        made->mean += value / (double)e->carriers;
+        made->greatest = fmax(made->greatest, value);
+    }
+    made->reach = (float)reach_in_radii * farthest;
+    const pm_map_options options = {.parallel = e->config->parallel};
+    const pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
+    free(photons);
+    return status;
+}
+
+static void list_carriers(estimating *e)
+{
+    const size_t all = pm_map_count(e->map);
+    size_t listed = 0;
+    for (size_t number = 0; number < all; number++)
+        if (pm_map_source(e->map, (uint32_t)number) < e->carriers)
+            e->order[listed++] = (uint32_t)number;
+}
+
+static pm_status run(estimating *e, field *made)
+{
+    list_carriers(e);
+    pm__for(e->config->parallel, (e->carriers + BLOCK - 1) / BLOCK, estimate_block, e);
+    const pm_status status = (pm_status)atomic_load(&e->failure);
+    return status == PM_OK ? make_field(e, made) : status;
+}
+
+static pm_status create_field(const pm__importance_config *config, const pm__importons *set, field *made)
+{
+    pm_map *map = NULL;
+    const size_t some = (size_t)ceil(config->share * (double)set->count);
+    estimating e = {.config = config, .set = set, .carriers = some < set->count ? some : set->count};
+    made->count = set->count;
+    if (!set->count)
+        return PM_OK;
+    const pm_map_options options = {.parallel = config->parallel};
+    pm_status status = pm_map_create(set->importons, set->count, &options, &map, NULL);
+    e.map = map;
+    e.order = pm__alloc(e.carriers, sizeof *e.order);
+    e.screen = pm__alloc_zero(e.carriers, sizeof *e.screen);
+    e.radius = pm__alloc_zero(e.carriers, sizeof *e.radius);
+    if (status == PM_OK)
+        status = e.order && e.screen && e.radius ? run(&e, made) : PM_ENOMEM;
+    free(e.order);
+    free(e.screen);
+    free(e.radius);
+    pm_map_destroy(map);
+    return status;
+}
+
+/* ---- Creation ---------------------------------------------------------------------------------- */
+
+static pm_status check(const pm__importance_config *c, pm_error *error)
+{
+    if (!c->width || !c->height || !c->paths || c->paths > PM_MAX_PHOTONS)
+        return pm__fail(error, PM_EINVAL, "importance of %zu x %zu pixels by %zu paths: there must be some, up to %zu",
+                        c->width, c->height, c->paths, PM_MAX_PHOTONS);
+    if (!c->bounces || !(c->near >= 0.0))
+        return pm__fail(error, PM_EINVAL, "importance by %zu rays a bounce, nearness %g m: at least 1, and 0 m",
+                        c->bounces, c->near);
+    if (c->nearest < 3 || !(c->share > 0.0 && c->share <= 1.0) || !(c->outlier >= 1.0))
+        return pm__fail(error, PM_EINVAL,
+                        "importance of the nearest %zu, at a share of %g, cut by %g: at least 3, above 0 to 1, at "
+                        "least 1",
+                        c->nearest, c->share, c->outlier);
+    return PM_OK;
+}
+
+pm_status pm__importance_create(const pm__importance_config *config, pm__importance **importance, pm_error *error)
+{
+    pm__importons sets[PM__MAP_KINDS];
+    *importance = NULL;
+    pm_status status = check(config, error);
+    if (status == PM_OK)
+        status = pm__importons_trace(config, sets, error);
+    if (status != PM_OK)
+        return status;
+    pm__importance *const made = pm__alloc_zero(1, sizeof *made);
+    status = made ? PM_OK : PM_ENOMEM;
+    for (int kind = 0; kind < PM__MAP_KINDS && status == PM_OK; kind++)
+        status = create_field(config, &sets[kind], &made->fields[kind]);
+    pm__importons_free(sets);
+    if (status == PM_OK) {
+        *importance = made;
+        return PM_OK;
+    }
+    pm__importance_destroy(made);
+    return pm__fail(error, status, "importance: %s", pm_status_text(status));
+}
+
+void pm__importance_destroy(pm__importance *importance)
+{
+    if (!importance)
+        return;
+    for (int kind = 0; kind < PM__MAP_KINDS; kind++)
+        pm_map_destroy(importance->fields[kind].map);
+    free(importance);
+}
+
+size_t pm__importance_count(const pm__importance *importance, pm__map_kind kind)
+{
+    return importance->fields[kind].count;
+}
+
+double pm__importance_mean(const pm__importance *importance, pm__map_kind kind)
+{
+    return importance->fields[kind].mean;
+}
+
+double pm__importance_greatest(const pm__importance *importance, pm__map_kind kind)
+{
+    return importance->fields[kind].greatest;
+}
+
+double pm__importance_threshold(const pm__importance *importance, pm__map_kind kind)
+{
+    return important_share * importance->fields[kind].mean;
+}
+
+/* ---- Lookup ------------------------------------------------------------------------------------ */
+
+static float value_at(const field *f, const pm_neighbor *near)
+{
+    const float *const carried = pm__power(f->map, near->number);
+    const double unit = pm_map_unit(f->map), distance2 = (double)near->distance2 * unit * unit;
+    const double radius2 = (double)carried[RADIUS] * (double)carried[RADIUS];
+    if (distance2 <= radius2)
+        return carried[VALUE];
+    return distance2 <= reach_in_radii * reach_in_radii * radius2 ? carried[VALUE] * (float)(radius2 / distance2)
+                                                                  : 0.0f;
+}
+
+static pm_status look_up_some(const field *f, const float (*positions)[3], const float (*normals)[3], size_t count,
+                              float *values)
+{
+    pm_query queries[AT_ONCE];
+    pm_neighbor near[AT_ONCE];
+    size_t found[AT_ONCE];
+    for (size_t i = 0; i < count; i++) {
+        pm_query_init(&queries[i]);
+        memcpy(queries[i].position, positions[i], sizeof queries[i].position);
+        memcpy(queries[i].normal, normals[i], sizeof queries[i].normal);
+        queries[i].k = 1;
+        queries[i].max_radius = f->reach;
+        queries[i].front_only = true;
+    }
+    const pm_status status = pm_map_search_batch(f->map, queries, count, near, 1, found);
+    for (size_t i = 0; i < count; i++)
+        values[i] = status == PM_OK && found[i] ? value_at(f, &near[i]) : 0.0f;
+    return status;
+}
+
+pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
+                            const float (*normals)[3], size_t count, float *values)
+{
+    const field *const f = &importance->fields[kind];
+    pm_status status = PM_OK;
+    if (!f->map)
+        memset(values, 0, count * sizeof *values);
+    for (size_t i = 0; i < count && f->map && status == PM_OK; i += AT_ONCE)
+        status = look_up_some(f, positions + i, normals + i, count - i < AT_ONCE ? count - i : AT_ONCE, values + i);
+    return status;
+}
