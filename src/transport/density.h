@@ -86,8 +86,8 @@ static inline double pm__density_searched(const pm__density_rule *rule, double r
     return rule->wide ? 2.0 * reach : reach;
 }
 
-/* Photons that came to surfaces which lie alike have the same tag, and face them. */
-uint32_t pm__density_tag(const float normal[3]);
+/* Photons that came to surfaces which lie alike, and matter alike, have the same tag. */
+uint32_t pm__density_tag(const float normal[3], bool important);
 
 /* Decides the batch, and makes the gifts of those that are not stored. ENOMEM. */
 pm_status pm__density_decide(pm__density *density);

@@ -94,9 +94,9 @@ static void sort(pm__density *d)
 
 /* ---- Searching ---------------------------------------------------------------------------------- */
 
-uint32_t pm__density_tag(const float normal[3])
+uint32_t pm__density_tag(const float normal[3], bool important)
 {
-    uint32_t bits[3], tag = 0;
+    uint32_t bits[3], tag = important;
     memcpy(bits, normal, sizeof bits);
     for (int a = 0; a < 3; a++)
         tag = (tag ^ (bits[a] == 0x80000000u ? 0 : bits[a])) * 0x9e3779b1u ^ tag >> 15;
@@ -111,7 +111,7 @@ static pm__seeker seeker_of(const pm__density *d, uint32_t arrival)
                         .position = {position[0], position[1], position[2]},
                         .reach = d->arrivals[arrival].reach,
                         .arrival = arrival,
-                        .tag = pm__density_tag(d->all->normals[at])};
+                        .tag = pm__density_tag(d->all->normals[at], d->all->part[at])};
 }
 
 void pm__searcher_free(pm__searcher *with)
@@ -159,18 +159,26 @@ static bool faces(const pm_photon *photon, const float normal[3])
            0.0f;
 }
 
-/* Of those found, those that face the seeker. */
-static void keep_facing(const pm__density *d, const pm__seeker *seeker, pm__searcher *with)
+/* Does it take power of the arrival? Only what faces it, and no light goes to where it matters from where it does not,
+ * or the other way round: at that border densities may differ, and much would (erratum 42). */
+static bool takes(const pm__density *d, uint32_t id, size_t at)
+{
+    const pm__stock *const stock = &d->storage->stock;
+    return stock->part[id] == d->all->part[at] && faces(&stock->photons[id], d->all->normals[at]);
+}
+
+/* Of those found, those that take power of the seeker. */
+static void keep_takers(const pm__density *d, const pm__seeker *seeker, pm__searcher *with)
 {
     const pm__crowd_hood *const hood = &with->hood;
-    const float *const normal = d->all->normals[d->begin + seeker->arrival];
+    const size_t at = d->begin + seeker->arrival;
     size_t kept = 0;
     if (hood->alike && hood->tags[0] == seeker->tag)
         return;
     for (size_t i = 0; i < with->found.count; i++) {
         const uint32_t place = with->found.places[i];
         with->found.places[kept] = place;
-        kept += hood->tags[place] == seeker->tag || faces(&d->storage->stock.photons[hood->ids[place]], normal);
+        kept += hood->tags[place] == seeker->tag || takes(d, hood->ids[place], at);
     }
     with->found.count = kept;
 }
@@ -210,7 +218,7 @@ static bool is_enough(const pm__density *d, const pm__seeker *seeker, pm__arriva
     arrival->lacks = !(s >= 1.0);
     if (with->found.count == 0)
         return false;
-    keep_facing(d, seeker, with);
+    keep_takers(d, seeker, with);
     if (d->rule.power)
         s *= criterion(d, (double)arrival->global, with, pi * (all ? farthest2 : 4.0 * reach * reach));
     return !is_accepted(d, seeker->arrival, s);
@@ -229,7 +237,7 @@ static void decide(const pm__density *d, const pm__seeker *seeker, pm__searcher 
     if (rule->wide)
         enough = is_enough(d, seeker, arrival, with);
     else if (enough)
-        keep_facing(d, seeker, with);
+        keep_takers(d, seeker, with);
     arrival->verdict = enough && with->found.count > 0 ? PM__SHARE_OUT : PM__STORE;
 }
 

@@ -91,7 +91,7 @@ static pm_status store(pm__density *d, size_t i)
     pm__stock_add(stock, photon, d->all->normals[at], d->all->part[at]);
     for (int b = 0; b < 3; b++)
         d->powers[id][b] = (double)photon->power[b];
-    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, pm__density_tag(d->all->normals[at]));
+    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, pm__density_tag(d->all->normals[at], d->all->part[at]));
 }
 
 static pm_status settle_one(pm__density *d, size_t i, pm__searcher *with)
