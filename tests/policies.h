@@ -42,9 +42,9 @@ static inline policed policed_room(void)
     return p;
 }
 
-/* The floor |x|, |y| <= 1.5 at z = 0, black, under parallel light of `irradiance` W/m2 in each band, which leaves below a
- * small white ceiling at z = 0.25, and a camera that sees nothing but that: so all of the floor's importance is that of
- * the global map, most about the middle. */
+/* The floor |x|, |y| <= 1.5 at z = 0, black, under parallel light of `irradiance` W/m2 in each band, which leaves below
+ * a small white ceiling at z = 0.25, and a camera that sees nothing but that: so all of the floor's importance is that
+ * of the global map, most about the middle. */
 static inline policed policed_floor(double irradiance)
 {
     static const double pi = 3.14159265358979323846, radius = 2.2;

@@ -1,6 +1,6 @@
-/* A batch of arrivals at a time: all are decided against what is stored when it begins; then in the order of their paths
- * those that are to be stored are, after a second look where others have been stored nearby meanwhile: so no place gets
- * more than it would one by one. What the others give is handed out at the end. */
+/* A batch of arrivals at a time: all are decided against what is stored when it begins; then those that are to be stored
+ * are, in the order of their paths, after a second look where others have been stored nearby meanwhile: so no place
+ * gets more than it would one by one. What the others give is handed out at the end. */
 #include "keep_density.h"
 
 #include "../base/memory.h"
@@ -91,7 +91,8 @@ static pm_status store(pm__density *d, size_t i)
     pm__stock_add(stock, photon, d->all->normals[at], d->all->part[at]);
     for (int b = 0; b < 3; b++)
         d->powers[id][b] = (double)photon->power[b];
-    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, pm__density_tag(d->all->normals[at], d->all->part[at]));
+    const uint32_t tag = pm__density_tag(d->all->normals[at], d->all->part[at]);
+    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, tag);
 }
 
 static pm_status settle_one(pm__density *d, size_t i, pm__searcher *with)

@@ -8,7 +8,8 @@
 
 static const char *const all_policies[] = {
     "all", "percentage", "probability", "density", "density:constant=2000,accept=cosine", "emission",
-    "emission:form=printed", "emission:strays=keep,ratio=4", "peter-pietrek", "emission+density", "emission+probability"};
+    "emission:form=printed", "emission:strays=keep,ratio=4", "peter-pietrek", "emission+density",
+    "emission+probability"};
 enum { POLICIES = sizeof all_policies / sizeof *all_policies };
 
 /* Every row is tried above. */
@@ -317,15 +318,16 @@ END_TEST
 START_TEST(test_required)
 {
     policed p = policed_room();
-    const pm__spec all = policed_spec("all"), density = policed_spec("density"), both = policed_spec("emission+density");
-    const pm__spec constant = policed_spec("density:constant=7");
+    const pm__spec all = policed_spec("all"), constant = policed_spec("density:constant=7");
+    const pm__spec density = policed_spec("density"), both = policed_spec("emission+density");
     for (int k = 0; k < PM__MAP_KINDS; k++) {
         const pm__map_kind kind = (pm__map_kind)k;
         const double mean = pm__importance_mean(p.importance, kind), pixel = kind == PM__CAUSTIC_MAP ? 25.0 : 2.0;
         ck_assert(pm__policy_required(&all, kind, p.importance, mean) == 0.0);
         ck_assert(pm__policy_required(&constant, kind, NULL, mean) == 7.0);
         PM_CHECK_NEAR(pm__policy_required(&density, kind, p.importance, mean), pixel * mean, 1e-12 * pixel * mean);
-        PM_CHECK_NEAR(pm__policy_required(&density, kind, p.importance, 0.0), 0.02 * pixel * mean, 1e-12 * pixel * mean);
+        PM_CHECK_NEAR(pm__policy_required(&density, kind, p.importance, 0.0), 0.02 * pixel * mean,
+                      1e-12 * pixel * mean);
         PM_CHECK_NEAR(pm__policy_required(&both, kind, p.importance, 1e9 * mean), 100.0 * pixel * mean,
                       1e-9 * pixel * mean);
     }
