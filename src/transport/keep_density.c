@@ -1,6 +1,6 @@
-/* A batch of arrivals at a time: all are decided against what is stored when it begins; then those that are to be stored
- * are, in the order of their paths, after a second look where others have been stored nearby meanwhile: so no place
- * gets more than it would one by one. What the others give is handed out at the end. */
+/* A batch of arrivals at a time: all are decided against what is stored when it begins; then those that are to be
+ * stored are, in the order of their paths, after a second look where others have been stored nearby meanwhile: so no
+ * place gets more than it would one by one. What the others give is handed out at the end. */
 #include "keep_density.h"
 
 #include "../base/memory.h"

@@ -20,7 +20,7 @@ static double uniform(uint64_t number, int which)
     return u[which];
 }
 
-/* Over two walls and a floor, reaches over a factor of eight; a tenth in one point. `spread`: 1 for all reaches alike. */
+/* Over two walls and a floor, reaches over a factor of `spread`; a tenth in one point. */
 static fixture *fill(double scale, double spread)
 {
     fixture *const f = calloc(1, sizeof *f);

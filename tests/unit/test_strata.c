@@ -93,7 +93,8 @@ START_TEST(test_places)
         ck_assert(n % 2 == 0 || at == n / 2 % (4 * strata.count) / 4);
         ck_assert_uint_eq(pm__strata_place(&strata, number, u, &factor), strata.items[at].light);
         for (int a = 0; a < 4; a++)
-            ck_assert(u[a] >= strata.items[at].low[a] && u[a] < strata.items[at].low[a] + strata.items[at].width[a]);
+            ck_assert(u[a] >= strata.items[at].low[a] && u[a] < 1.0 &&
+                      u[a] <= strata.items[at].low[a] + strata.items[at].width[a]);
         ck_assert(factor == (n % 2 ? strata.items[at].trial_factor : strata.items[at].factor));
     }
     pm__strata_free(&strata);
