@@ -9,8 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Arrivals of a batch, about. */
-enum { BATCH = 1 << 17 };
+/* Arrivals of a batch, about: so many at most, and at least; and so many that of those stored when it ends it stored
+ * one in so many, to judge by the last one. Then few have to be looked at again. */
+enum { MOST = 1 << 17, LEAST = 1 << 12, SHARE_STORED = 8 };
 
 /* Required density is at most so many times that at mean importance. */
 static const double ceiling = 100.0;
@@ -25,6 +26,7 @@ typedef struct keeper {
     pm__density density;
     tally *tallies;
     size_t tally_count, tally_room;
+    double rate; /* of arrivals of the last batch, stored */
 } keeper;
 
 /* ---- What is required --------------------------------------------------------------------------- */
@@ -230,6 +232,12 @@ static pm_status run_batch(keeper *k, bool *ended)
     return count_up(k);
 }
 
+static size_t batch_size(const keeper *k)
+{
+    const double stored = (double)k->density.storage->stock.count;
+    return (size_t)fmax((double)LEAST, fmin(stored / SHARE_STORED / fmax(k->rate, 1e-3), (double)MOST));
+}
+
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
     keeper *const k = storage->own;
@@ -239,8 +247,10 @@ static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t
     d->all = arrivals;
     for (*taken = 0; *taken < arrivals->count && status == PM_OK && !ended;) {
         d->begin = *taken;
-        d->count = batch_end(arrivals, *taken, BATCH) - *taken;
+        d->count = batch_end(arrivals, *taken, batch_size(k)) - *taken;
+        const size_t before = storage->stock.count;
         status = run_batch(k, &ended);
+        k->rate = status == PM_OK ? (double)(storage->stock.count - before) / (double)d->count : 0.0;
         if (!ended || pm__path_is_first(arrivals, d->begin))
             *taken += d->count;
     }
