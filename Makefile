@@ -14,7 +14,7 @@ WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno $(CFLAGS)
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
-PROGRAM_DIRS = src/stats src/scene src/transport src/image cases cases/scenes \
+PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image cases cases/scenes \
     src/methods src/methods/progressive src/accuracy src/converge bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
@@ -140,6 +140,11 @@ $(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_
     -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
 endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
+ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
+$(BUILD)/obj/src/transport/crowd_avx2.o: PM_EXTRA += -O3 -mavx2 -mbmi -mbmi2 -mpopcnt
+$(BUILD)/obj/src/transport/crowd_avx512.o: PM_EXTRA += -O3 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 \
+    -mpopcnt
+endif
 BATCHES = $(patsubst %,$(BUILD)/obj/src/scene/batch_%.o,plain avx2 avx512)
 # Loops are to become SIMD (where clang cannot, it need not say so); nobody looks at floating-point exceptions.
 $(BATCHES): PM_EXTRA += -O3 -fopenmp-simd -fno-trapping-math -Wno-pass-failed
