@@ -28,7 +28,11 @@
     X(fractal_cornell)    \
     X(cognac)             \
     X(torus)              \
-    X(lamp)
+    X(lamp)               \
+    X(egg)                \
+    X(office)             \
+    X(maze)               \
+    X(wide_floor)
 
 #define X(name) extern const pm__case pm__case_scene_##name;
 PM_SCENE_LIST(X)

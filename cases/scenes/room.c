@@ -1,5 +1,7 @@
 #include "room.h"
 
+#include "../../src/scene/revolve.h"
+
 #include <string.h>
 
 /* A flat wall from its corner. cross(u, v) points inward. */
@@ -133,6 +135,49 @@ pm_status pm__room_block(pm__scene *scene, uint32_t material, const double centr
         const wall side = {{centre[0] + p[0], centre[1] + p[1], 0}, {q[0] - p[0], q[1] - p[1], 0}, {0, 0, height}};
         status = add_wall(scene, material, &side, error);
     }
+    return status;
+}
+
+/* Corner c lies to the high side of each axis whose bit it has. */
+static void set_corner(const pm__brick *brick, size_t corner, float vertex[3])
+{
+    const double x = corner & 1 ? brick->half[0] : -brick->half[0];
+    const double y = corner & 2 ? brick->half[1] : -brick->half[1];
+    const double z = corner & 4 ? brick->half[2] : -brick->half[2];
+    const double back = cos(brick->lean) * y + sin(brick->lean) * z;
+    vertex[0] = (float)(brick->centre[0] + cos(brick->turn) * x - sin(brick->turn) * back);
+    vertex[1] = (float)(brick->centre[1] + sin(brick->turn) * x + cos(brick->turn) * back);
+    vertex[2] = (float)(brick->centre[2] - sin(brick->lean) * y + cos(brick->lean) * z);
+}
+
+static void set_brick(const pm__brick *brick, size_t number, pm__mesh *mesh)
+{
+    /* counterclockwise from outside */
+    static const uint32_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                         {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    const uint32_t first = (uint32_t)(8 * number);
+    for (size_t c = 0; c < 8; c++)
+        set_corner(brick, c, mesh->vertices[first + c]);
+    for (size_t f = 0; f < 6; f++)
+        for (size_t half = 0; half < 2; half++) {
+            uint32_t *const triangle = mesh->triangles[12 * number + 2 * f + half];
+            triangle[0] = first + faces[f][0];
+            triangle[1] = first + faces[f][1 + half];
+            triangle[2] = first + faces[f][2 + half];
+        }
+}
+
+pm_status pm__room_bricks(pm__scene *scene, uint32_t material, const pm__brick *bricks, size_t count, pm_error *error)
+{
+    pm__mesh mesh;
+    pm_status status = pm__mesh_create(8 * count, 12 * count, &mesh, error);
+    if (status)
+        return status;
+    for (size_t i = 0; i < count; i++)
+        set_brick(&bricks[i], i, &mesh);
+    status = pm__scene_mesh(scene, material, (const float(*)[3])mesh.vertices, mesh.vertex_count,
+                            (const uint32_t(*)[3])mesh.triangles, mesh.triangle_count, error);
+    pm__mesh_free(&mesh);
     return status;
 }
 

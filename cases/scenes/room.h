@@ -41,6 +41,14 @@ pm_status pm__glass_material(pm__scene *scene, double ior, uint32_t *index, pm_e
 pm_status pm__room_block(pm__scene *scene, uint32_t material, const double centre[2], double half, double height,
                          double turn, pm_error *error);
 
+/* A box about its centre: leant back (its top toward +y) about x, then turned about z, both in radian. */
+typedef struct pm__brick {
+    double centre[3], half[3], lean, turn;
+} pm__brick;
+
+/* Closed boxes, all in one mesh. */
+pm_status pm__room_bricks(pm__scene *scene, uint32_t material, const pm__brick *bricks, size_t count, pm_error *error);
+
 /* A square that shines downward. */
 pm_status pm__room_lamp(pm__scene *scene, const double centre[3], double half, const double power[3], pm_error *error);
 
