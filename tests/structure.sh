@@ -39,7 +39,7 @@ long=$(find src estimators cases bench tests Makefile -name '*.[ch]' -o -name '*
 $long"
 
 # Every source of a list is a row, or is named beside the rows in the list's comment.
-for dir in src/search estimators cases cases/scenes src/methods/progressive; do
+for dir in src/search estimators cases cases/scenes src/methods/progressive src/transport/policies; do
     for file in "$dir"/*.c; do
         name=$(basename "$file" .c)
         row=$(echo "$name" | tr - _)

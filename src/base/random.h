@@ -17,7 +17,8 @@ typedef enum pm__purpose {
     PM__FOR_PIXELS, /* where in a pixel its samples lie */
     PM__FOR_EYES,   /* paths from the camera */
     PM__FOR_TRIALS, /* a trial's own seed */
-    PM__FOR_IMPORTONS
+    PM__FOR_IMPORTONS,
+    PM__FOR_STORING /* which photons a policy keeps */
 } pm__purpose;
 
 /* Four 32-bit words for draw `number` (and block `block` of its dimensions) of trial `trial`. */

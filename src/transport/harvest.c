@@ -149,6 +149,8 @@ static void place_block(const gathering *g, const block *b)
             memcpy(h->normals[b->first + i], r->normal, sizeof r->normal);
         if (h->marks)
             h->marks[b->first + i] = r->mark;
+        if (h->numbers)
+            h->numbers[b->first + i] = (uint32_t)(b->number * BLOCK + r->path);
     }
 }
 
@@ -270,10 +272,11 @@ static void work(void *argument, size_t index)
 static pm_status reserve(gathering *g, size_t count)
 {
     pm__harvest *const h = g->harvest;
-    size_t rooms[3] = {g->room, g->room, g->room};
+    size_t rooms[4] = {g->room, g->room, g->room, g->room};
     if (pm__grow((void **)&h->photons, &rooms[0], count, sizeof *h->photons) ||
         (g->config->normals && pm__grow((void **)&h->normals, &rooms[1], count, sizeof *h->normals)) ||
-        (g->wish->marks && pm__grow((void **)&h->marks, &rooms[2], count, sizeof *h->marks)))
+        (g->wish->marks && pm__grow((void **)&h->marks, &rooms[2], count, sizeof *h->marks)) ||
+        (g->wish->numbers && pm__grow((void **)&h->numbers, &rooms[3], count, sizeof *h->numbers)))
         return PM_ENOMEM;
     g->room = rooms[0];
     return PM_OK;
@@ -353,5 +356,6 @@ void pm__harvest_free(pm__harvest *harvest)
     free(harvest->photons);
     free(harvest->normals);
     free(harvest->marks);
+    free(harvest->numbers);
     *harvest = (pm__harvest){0};
 }

@@ -19,13 +19,14 @@ typedef struct pm__harvest_wish {
     uint64_t first; /* the number of the first path */
     uint64_t most;  /* paths */
     size_t wanted;  /* stored photons; SIZE_MAX: those of all paths */
-    bool marks;
+    bool marks, numbers;
 } pm__harvest_wish;
 
 typedef struct pm__harvest {
     pm_photon *photons;   /* power: W; without a share in units of `unit`, as if the number of photons emitted were 1 */
     float (*normals)[3];  /* NULL unless config has them wanted */
     uint16_t *marks;      /* NULL unless wished */
+    uint32_t *numbers;    /* of their paths, the first being 0; NULL unless wished: then `most` is below 2^32 */
     size_t count;
     uint64_t emitted;
     double unit;          /* W: a power of two about the power that is sent, so that floats hold what scenes do not */

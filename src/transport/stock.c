@@ -1,0 +1,25 @@
+#include "stock.h"
+
+#include "../base/memory.h"
+
+#include <stdlib.h>
+
+pm_status pm__stock_reserve(pm__stock *stock, size_t more)
+{
+    size_t rooms[3] = {stock->capacity, stock->capacity, stock->capacity};
+    const size_t wanted = stock->count + more;
+    if (pm__grow((void **)&stock->photons, &rooms[0], wanted, sizeof *stock->photons) ||
+        pm__grow((void **)&stock->normals, &rooms[1], wanted, sizeof *stock->normals) ||
+        pm__grow((void **)&stock->part, &rooms[2], wanted, sizeof *stock->part))
+        return PM_ENOMEM;
+    stock->capacity = rooms[0];
+    return PM_OK;
+}
+
+void pm__stock_free(pm__stock *stock)
+{
+    free(stock->photons);
+    free(stock->normals);
+    free(stock->part);
+    *stock = (pm__stock){0};
+}
