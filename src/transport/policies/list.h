@@ -8,7 +8,8 @@
 #define PM_POLICY_LIST(X) \
     X(all)                \
     X(percentage)         \
-    X(probability)
+    X(probability)        \
+    X(density)
 
 #define X(name) extern const pm__policy pm__policy_##name;
 PM_POLICY_LIST(X)
