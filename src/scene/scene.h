@@ -89,6 +89,10 @@ typedef struct pm__hit {
 bool pm__scene_intersect(const pm__scene *scene, const double origin[3], const double direction[3], double reach,
                          uint32_t from, pm__hit *hit);
 
+/* How the unit normal changes where the point met moves within the surface by v: bend v, to first order (1/m). false:
+ * not at all, and bend is not set: flat shapes, and meshes, whose triangles are flat. */
+bool pm__scene_bend(const pm__scene *scene, const pm__hit *hit, double bend[3][3]);
+
 /* Is the straight way from a to b (starting on shape `from`, ending on shape `to`) blocked? */
 bool pm__scene_blocked(const pm__scene *scene, const double a[3], uint32_t from, const double b[3], uint32_t to);
 

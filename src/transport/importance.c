@@ -1,10 +1,15 @@
 /* An estimate at an importon from its k nearest on this side, itself among them: it is there for certain, and the
  * farthest lies on the rim. Where importons fall independently, those between have on average the share (k - 2) of the
  * density that r encloses (erratum 13), whatever their weights: theirs alone are added up. Where they are spread
- * evenly, as on what the camera sees straight, this is low by up to 1.5 / k. */
+ * evenly, as on what the camera sees straight, this is low by up to 1.5 / k. Footprints tell densities each by itself:
+ * those of all k are averaged.
+ *
+ * The average that footprints are held against is that of their logarithms: neither the huge ones at a horizon nor the
+ * tiny ones that are to be cut have a say in it beyond their number. */
 #include "importance.h"
 
 #include "importons.h"
+#include "nearest.h"
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
@@ -16,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 1024, AT_ONCE = 16 };
+enum { BLOCK = 1024, AT_ONCE = PM__NEAREST_AT_ONCE };
 enum { VALUE, RADIUS }; /* within `power` of an importon that carries an estimate: 1/m2, m */
 
 static const double pi = 3.14159265358979323846;
@@ -25,7 +30,7 @@ static const double reach_in_radii = 16.0, important_share = 0.1;
 typedef struct field {
     size_t count;           /* importons traced */
     pm_map *map;            /* of those that carry; NULL: there are none */
-    float reach;            /* m: no importance is farther than this from what carries it */
+    pm__nearest *nearest;   /* of it */
     double mean, greatest;  /* 1/m2 */
 } field;
 
@@ -43,6 +48,7 @@ typedef struct estimating {
     size_t carriers;
     uint32_t *order;       /* the carriers' numbers in the map, ascending: neighbours after each other */
     double *screen;        /* 1/m2, [carriers] */
+    double *pixel;         /* the same; 0: no footprint is known there. NULL: by the screen alone */
     float *radius;         /* m */
     _Atomic int failure;
 } estimating;
@@ -54,6 +60,33 @@ static double least_radius(const float position[3])
     return fmax((double)largest * 0x1p-23, 1e-18);
 }
 
+/* Importons whose footprints are too small are given larger ones. */
+static void cut_outliers(const pm__importance_config *config, pm__importons *set)
+{
+    double sum = 0.0, count = 0.0;
+    for (size_t i = 0; i < set->count; i++)
+        if (set->importons[i].power[PM__IMPORTON_DENSITY] > 0.0f) {
+            sum += log((double)set->importons[i].power[PM__IMPORTON_DENSITY]);
+            count += 1.0;
+        }
+    const double most = fmin(config->outlier * exp(sum / fmax(1.0, count)), (double)FLT_MAX);
+    for (size_t i = 0; i < set->count; i++) {
+        float *const density = &set->importons[i].power[PM__IMPORTON_DENSITY];
+        *density = fminf(*density, (float)most);
+    }
+}
+
+static double mean_density(const pm_map *map, const pm_neighbor *near, size_t count)
+{
+    double sum = 0.0, known = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const float density = pm__power(map, near[i].number)[PM__IMPORTON_DENSITY];
+        sum += (double)density;
+        known += density > 0.0f ? 1.0 : 0.0;
+    }
+    return sum / fmax(1.0, known);
+}
+
 static void estimate(const estimating *e, size_t carrier, const pm_neighbor *near, size_t count)
 {
     double sum = 0.0;
@@ -63,6 +96,8 @@ static void estimate(const estimating *e, size_t carrier, const pm_neighbor *nea
     const double radius = fmax(farthest, least_radius(e->set->importons[carrier].position));
     e->screen[carrier] = sum / (pi * radius * radius);
     e->radius[carrier] = (float)radius;
+    if (e->pixel)
+        e->pixel[carrier] = mean_density(e->map, near, count);
 }
 
 static pm_query query_at(const estimating *e, size_t carrier)
@@ -108,30 +143,55 @@ static void estimate_block(void *argument, size_t block)
 
 /* ---- What carries them ------------------------------------------------------------------------- */
 
-static double value_of(const estimating *e, size_t carrier)
+/* What a pixel's importance counts of the screen's, so that their averages are alike ([C02] 3.4.3). */
+static double pixel_scale(const estimating *e)
 {
-    return fmin(e->screen[carrier], (double)FLT_MAX);
+    double screen = 0.0, pixel = 0.0;
+    for (size_t i = 0; i < e->carriers && e->pixel; i++)
+        if (e->pixel[i] > 0.0) {
+            screen += e->screen[i];
+            pixel += e->pixel[i];
+        }
+    return screen > 0.0 ? screen / pixel : 0.0;
+}
+
+/* Where no footprint is known the screen's importance stands for the pixel's. */
+static double value_of(const estimating *e, double scale, size_t carrier)
+{
+    const double screen = e->screen[carrier], pixel = e->pixel ? e->pixel[carrier] : 0.0;
+    const bool known = pixel > 0.0 && scale > 0.0;
+    const double value = e->config->measure == PM__OF_SCREEN ? screen
+                         : e->config->measure == PM__OF_BOTH ? 0.5 * (screen + (known ? scale * pixel : screen))
+                         : known                             ? pixel
+                         : scale > 0.0                       ? screen / scale
+                                                             : pixel;
+    return fmin(value, (double)FLT_MAX);
 }
 
 static pm_status make_field(const estimating *e, field *made)
 {
-    float farthest = 0.0f;
+    double farthest = 0.0, sum = 0.0;
+    const double scale = pixel_scale(e);
     pm_photon *const photons = pm__alloc(e->carriers, sizeof *photons);
     if (!photons)
         return PM_ENOMEM;
     made->mean = made->greatest = 0.0;
     for (size_t i = 0; i < e->carriers; i++) {
-        const double value = value_of(e, i);
+        const double value = value_of(e, scale, i);
         photons[i] = e->set->importons[i];
         photons[i].power[VALUE] = (float)value;
         photons[i].power[RADIUS] = e->radius[i];
-        farthest = fmaxf(farthest, e->radius[i]);
+        farthest = fmax(farthest, (double)e->radius[i]);
+        sum += log((double)e->radius[i]);
         made->mean += value / (double)e->carriers;
         made->greatest = fmax(made->greatest, value);
     }
-    made->reach = (float)reach_in_radii * farthest;
+    /* In the disc of a usual radius there are `nearest` importons, of which a share carries. */
+    const double usual = exp(sum / (double)e->carriers), in_disc = e->config->share * (double)e->config->nearest;
     const pm_map_options options = {.parallel = e->config->parallel};
-    const pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
+    pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
+    if (status == PM_OK)
+        status = pm__nearest_create(made->map, reach_in_radii * farthest, usual * sqrt(pi / in_disc), &made->nearest);
     free(photons);
     return status;
 }
@@ -153,24 +213,29 @@ static pm_status run(estimating *e, field *made)
     return status == PM_OK ? make_field(e, made) : status;
 }
 
-static pm_status create_field(const pm__importance_config *config, const pm__importons *set, field *made)
+static pm_status create_field(const pm__importance_config *config, pm__importons *set, field *made)
 {
+    const bool has_pixels = config->measure != PM__OF_SCREEN;
     pm_map *map = NULL;
     const size_t some = (size_t)ceil(config->share * (double)set->count);
     estimating e = {.config = config, .set = set, .carriers = some < set->count ? some : set->count};
     made->count = set->count;
     if (!set->count)
         return PM_OK;
+    if (has_pixels)
+        cut_outliers(config, set);
     const pm_map_options options = {.parallel = config->parallel};
     pm_status status = pm_map_create(set->importons, set->count, &options, &map, NULL);
     e.map = map;
     e.order = pm__alloc(e.carriers, sizeof *e.order);
     e.screen = pm__alloc_zero(e.carriers, sizeof *e.screen);
+    e.pixel = has_pixels ? pm__alloc_zero(e.carriers, sizeof *e.pixel) : NULL;
     e.radius = pm__alloc_zero(e.carriers, sizeof *e.radius);
     if (status == PM_OK)
-        status = e.order && e.screen && e.radius ? run(&e, made) : PM_ENOMEM;
+        status = e.order && e.screen && e.radius && (e.pixel || !has_pixels) ? run(&e, made) : PM_ENOMEM;
     free(e.order);
     free(e.screen);
+    free(e.pixel);
     free(e.radius);
     pm_map_destroy(map);
     return status;
@@ -220,8 +285,10 @@ void pm__importance_destroy(pm__importance *importance)
 {
     if (!importance)
         return;
-    for (int kind = 0; kind < PM__MAP_KINDS; kind++)
+    for (int kind = 0; kind < PM__MAP_KINDS; kind++) {
+        pm__nearest_destroy(importance->fields[kind].nearest);
         pm_map_destroy(importance->fields[kind].map);
+    }
     free(importance);
 }
 
@@ -258,34 +325,18 @@ static float value_at(const field *f, const pm_neighbor *near)
                                                                   : 0.0f;
 }
 
-static pm_status look_up_some(const field *f, const float (*positions)[3], const float (*normals)[3], size_t count,
-                              float *values)
-{
-    pm_query queries[AT_ONCE];
-    pm_neighbor near[AT_ONCE];
-    size_t found[AT_ONCE];
-    for (size_t i = 0; i < count; i++) {
-        pm_query_init(&queries[i]);
-        memcpy(queries[i].position, positions[i], sizeof queries[i].position);
-        memcpy(queries[i].normal, normals[i], sizeof queries[i].normal);
-        queries[i].k = 1;
-        queries[i].max_radius = f->reach;
-        queries[i].front_only = true;
-    }
-    const pm_status status = pm_map_search_batch(f->map, queries, count, near, 1, found);
-    for (size_t i = 0; i < count; i++)
-        values[i] = status == PM_OK && found[i] ? value_at(f, &near[i]) : 0.0f;
-    return status;
-}
-
 pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
                             const float (*normals)[3], size_t count, float *values)
 {
     const field *const f = &importance->fields[kind];
-    pm_status status = PM_OK;
+    pm_neighbor found[AT_ONCE];
     if (!f->map)
         memset(values, 0, count * sizeof *values);
-    for (size_t i = 0; i < count && f->map && status == PM_OK; i += AT_ONCE)
-        status = look_up_some(f, positions + i, normals + i, count - i < AT_ONCE ? count - i : AT_ONCE, values + i);
-    return status;
+    for (size_t first = 0; first < count && f->map; first += AT_ONCE) {
+        const size_t rest = count - first, some = rest < AT_ONCE ? rest : AT_ONCE;
+        pm__nearest_find(f->nearest, positions + first, normals + first, some, found);
+        for (size_t i = 0; i < some; i++)
+            values[first + i] = found[i].number == UINT32_MAX ? 0.0f : value_at(f, &found[i]);
+    }
+    return PM_OK;
 }

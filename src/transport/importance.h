@@ -35,7 +35,8 @@ typedef struct pm__importance_config {
     pm__measure measure;
     size_t nearest;        /* importons that an estimate is made of: 200 */
     double share;          /* of importons that carry one: 1, or 0.25 */
-    double outlier;        /* importons whose footprint is so many times smaller than the average have it cut: 100 */
+    double outlier;        /* importons whose footprint is so many times smaller than their geometric mean have it cut
+                            * to that: 100 */
     uint64_t seed;
     const pm_parallel *parallel;     /* NULL: this thread */
     bool (*canceled)(void *context); /* NULL: never. Asked by several threads */

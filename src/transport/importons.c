@@ -1,11 +1,13 @@
 #include "importons.h"
 
 #include "eye.h"
+#include "footprint.h"
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
 #include "../base/sobol.h"
 
+#include <float.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,9 +37,15 @@ typedef struct walk {
     const tracing *t;
     harvest *to;
     pm__eye eye;
-    double share; /* of the path's pixels */
-    bool full;    /* out of memory */
+    pm__footprint footprint; /* unless importance is of the screen alone */
+    double share;            /* of the path's pixels */
+    bool full;               /* out of memory */
 } walk;
+
+static bool has_footprint(const walk *w)
+{
+    return w->t->config->measure != PM__OF_SCREEN;
+}
 
 /* ---- Storing ----------------------------------------------------------------------------------- */
 
@@ -49,6 +57,13 @@ static bool make_room(harvest *to, pm__map_kind kind)
            !pm__grow((void **)&set->normals, &to->normal_room[kind], wanted, sizeof *set->normals);
 }
 
+/* One over the footprint: 0 where it is 0, infinite or none. */
+static float density_of(const walk *w)
+{
+    const double density = has_footprint(w) ? 1.0 / pm__footprint_area(&w->footprint) : 0.0;
+    return density > 0.0 && density < (double)FLT_MAX ? (float)density : 0.0f;
+}
+
 static void store(walk *w, pm__map_kind kind)
 {
     pm__importons *const set = &w->to->sets[kind];
@@ -58,7 +73,9 @@ static void store(walk *w, pm__map_kind kind)
         return;
     }
     pm_photon *const importon = &set->importons[set->count];
-    *importon = (pm_photon){.power = {(float)(w->share * w->t->pixels * pm__sum(eye->weight) / 3.0)}};
+    importon->power[PM__IMPORTON_PIXELS] = (float)(w->share * w->t->pixels * pm__sum(eye->weight) / 3.0);
+    importon->power[PM__IMPORTON_DENSITY] = density_of(w);
+    importon->power[2] = 0.0f;
     for (int i = 0; i < 3; i++) {
         importon->position[i] = (float)eye->hit.position[i];
         importon->direction[i] = (float)eye->direction[i];
@@ -69,18 +86,45 @@ static void store(walk *w, pm__map_kind kind)
 
 /* ---- Paths ------------------------------------------------------------------------------------- */
 
+/* The index of refraction that the path was bent by: where that differs by band, of the one that is left. */
+static double index_of(const pm__eye *eye)
+{
+    int band = 0;
+    for (int b = 1; b < 3; b++)
+        band = eye->weight[b] > eye->weight[band] ? b : band;
+    return eye->hit.material->ior[band];
+}
+
+static pm__eye_met step(walk *w)
+{
+    const double in[3] = {w->eye.direction[0], w->eye.direction[1], w->eye.direction[2]};
+    const pm__eye_met met = pm__eye_step(&w->eye);
+    if (met == PM__EYE_ENDS || !has_footprint(w))
+        return met;
+    pm__footprint_arrive(&w->footprint, in, &w->eye.hit);
+    if (met == PM__EYE_PASSES)
+        pm__footprint_pass(&w->footprint, w->t->config->scene, &w->eye.hit, in, w->eye.direction, index_of(&w->eye));
+    return met;
+}
+
 static bool follow(walk *w)
 {
     pm__eye_met met;
     do
-        met = pm__eye_step(&w->eye);
+        met = step(w);
     while (met == PM__EYE_PASSES);
     return met == PM__EYE_STANDS;
 }
 
 static bool bounce(walk *w)
 {
-    return pm__eye_bounce(&w->eye);
+    const pm__eye before = w->eye;
+    if (!pm__eye_bounce(&w->eye))
+        return false;
+    if (has_footprint(w))
+        pm__footprint_bounce(&w->footprint, w->t->config->scene, &before.hit, before.direction, w->eye.direction,
+                             before.weight);
+    return true;
 }
 
 /* One ray of final gathering and, from where it ends too near, those that follow from it. */
@@ -112,6 +156,8 @@ static bool trace_path(const tracing *t, uint64_t path, harvest *to)
     place(t, path, at);
     pm__eye_through(&first.eye, config->scene, config->camera, &numbers, at[0], at[1]);
     first.eye.sees_lights = first.eye.sees_caustics = false; /* they need not be looked for */
+    if (has_footprint(&first))
+        pm__footprint_begin(&first.footprint, config->camera, at[0], at[1]);
     if (!follow(&first))
         return true;
     store(&first, PM__CAUSTIC_MAP);
