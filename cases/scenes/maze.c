@@ -1,7 +1,7 @@
-/* Square rooms in a square grid, each lit by a lamp of its own; the camera stands in one in the middle and sees a part of
- * the next through a door. Between neighbours is a wall, with a doorway in it or none: every room has one to the east or
- * to the north, by a hash of its place (those at the far ends the one that is possible), so all are connected; a few
- * more are opened by the hash, and the one that the camera looks at.
+/* Square rooms in a square grid, each lit by a lamp of its own; the camera stands in one in the middle and sees a part
+ * of the next through a door. Between neighbours is a wall, with a doorway in it or none: every room has one to the
+ * east or to the north, by a hash of its place (those at the far ends the one that is possible), so all are connected;
+ * a few more are opened by the hash, and the one that the camera looks at.
  *
  * Walls are as thick as lies between the faces of their two sides. All faces are cut at the doors' width and height,
  * doors or not, so that they meet at whole edges; measures are sums of powers of two, so that these agree to the last

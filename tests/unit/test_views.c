@@ -121,6 +121,10 @@ START_TEST(bad_parameters_are_refused)
         {"scene:cognac:depth=0.1", PM_EINVAL},      {"scene:cornel", PM_ENAME},
         {"scene:torus:sun=0", PM_EINVAL},           {"scene:torus:sun=21", PM_EINVAL},
         {"scene:lamp:glass=0.09", PM_EINVAL},       {"scene:lamp:sun=5", PM_ENAME},
+        {"scene:egg:ball=0.4", PM_EINVAL},          {"scene:egg:ior=0.9", PM_EINVAL},
+        {"scene:office:desks=0", PM_EINVAL},        {"scene:office:desks=2.5", PM_EINVAL},
+        {"scene:maze:rooms=1", PM_EINVAL},          {"scene:maze:rooms=17", PM_EINVAL},
+        {"scene:wide-floor:radius=4", PM_EINVAL},   {"scene:wide-floor:sun=0", PM_EINVAL},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         pm__spec spec;
@@ -153,7 +157,12 @@ static const box boxes[] = {{"scene:cornell", {0.5, 0.5}, 1, true},
                             {"scene:cornell-water", {0.5, 0.5}, 1, true},
                             {"scene:fractal-cornell", {0.5, 0.5}, 1, true},
                             {"scene:four-lights", {1, 1.25}, 1.25, false},
-                            {"scene:lamp", {0.8, 0.9}, 1.4, false}};
+                            {"scene:lamp", {0.8, 0.9}, 1.4, false},
+                            {"scene:egg", {1.8, 1.8}, 2.7, false},
+                            {"scene:office", {5.2, 4.8}, 2.7, false},
+                            {"scene:office:desks=1", {1.6, 1.5}, 2.7, false},
+                            {"scene:maze", {12.0625, 12.0625}, 2.5, false},
+                            {"scene:maze:rooms=3", {4.5625, 4.5625}, 2.5, false}};
 
 /* All is within the room, mirrors and glass but for the water clear of the floor and the walls. */
 START_TEST(rooms_hold_all)
@@ -272,7 +281,8 @@ static int follow(const char *name, const pm__scene *scene, uint64_t number)
 START_TEST(media_follow_one_another)
 {
     static const char *const names[] = {"scene:cognac", "scene:cognac:depth=0.06,turns=16", "scene:cornell-water",
-                                        "scene:cornell-water:level=0.85,waves=0.02"};
+                                        "scene:cornell-water:level=0.85,waves=0.02",
+                                        "scene:egg", "scene:wide-floor:radius=5"};
     for (size_t k = 0; k < COUNT(names); k++) {
         pm__scene *const scene = scene_named(names[k]);
         int most = 0;
@@ -359,7 +369,7 @@ static void check_ledger(const char *name, double least)
     pm_error error;
     uint32_t sky;
     PM_CHECK_OK(pm__scene_material(scene, &black, &sky, &error), error);
-    PM_CHECK_OK(pm__scene_sphere(scene, sky, middle, 10.0, true, &error), error);
+    PM_CHECK_OK(pm__scene_sphere(scene, sky, middle, 50.0, true, &error), error);
     PM_CHECK_OK(pm__scene_commit(scene, &error), error);
     ledger book = {.scene = scene};
     pm__scene_power(scene, book.power);
@@ -392,6 +402,13 @@ START_TEST(no_light_is_lost)
     check_ledger("scene:torus", 1.0);
     check_ledger("scene:lamp", 1.0);
     check_ledger("scene:lamp:glass=0.08,ior=3", 1.0);
+    check_ledger("scene:egg", 1.0);
+    check_ledger("scene:egg:ior=3", 1.0);
+    check_ledger("scene:office", 1.0);
+    check_ledger("scene:office:desks=1,albedo=0.99", 1.0);
+    check_ledger("scene:maze", 1.0);
+    check_ledger("scene:maze:rooms=2,albedo=0", 1.0);
+    check_ledger("scene:wide-floor", 1.0);
     check_ledger("scene:cornell-water", 0.5); /* some in the water */
     check_ledger("scene:cognac", 0.95);       /* and little in glass and cognac */
 }

@@ -14,7 +14,8 @@ enum { WIDTHS = 4 };
 static const char *const scenes[] = {"scene:cornell", "scene:cornell-diffuse", "scene:cornell-water", "scene:nephroid",
                                      "scene:prism", "scene:pool", "scene:plate", "scene:glossy-plane",
                                      "scene:four-lights", "scene:fractal-cornell", "scene:cognac",
-                                     "scene:furnace:albedo=0.95", "scene:glass-sphere"};
+                                     "scene:furnace:albedo=0.95", "scene:glass-sphere", "scene:egg", "scene:office",
+                                     "scene:maze", "scene:wide-floor"};
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
 static pm__scene *scene_of(const char *text)
