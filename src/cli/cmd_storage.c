@@ -14,7 +14,8 @@
 #include <string.h>
 
 enum { QUICK_TRIALS = 8, FULL_TRIALS = 32, K = 50, PATHS = 100000, GATHER = 4 };
-enum { QUICK_SAMPLES = 4, FULL_SAMPLES = 16, DEEPER = 8 }; /* of a pixel; for the light that stays so many times more */
+/* Eye paths of an image: by which maps are looked at, and for the light that stays. */
+enum { QUICK_LOOKS = 1 << 16, FULL_LOOKS = 1 << 18, QUICK_DEEP = 1 << 21, FULL_DEEP = 1 << 23 };
 enum { QUICK_LARGE = 500000, FULL_LARGE = 2000000 };
 static const double default_share = 0.25;
 static const char default_scenes[] = "egg,office,maze,wide-floor";
@@ -53,8 +54,6 @@ static pm_status fill_defaults(pm__settings *s, pm_error *error)
         o->maps[PM__CAUSTIC_MAP] = o->maps[PM__GLOBAL_MAP] = true;
     if (!s->trials)
         s->trials = s->full ? FULL_TRIALS : QUICK_TRIALS;
-    if (!s->render.spp)
-        s->render.spp = s->full ? FULL_SAMPLES : QUICK_SAMPLES;
     if (!o->paths)
         o->paths = PATHS;
     if (!o->importance) {
@@ -90,7 +89,6 @@ static void configure(work *w)
 {
     pm__settings *const s = (pm__settings *)(uintptr_t)w->task.settings;
     const pm__storage_options *const o = &s->storage;
-    const size_t samples = s->render.spp / PM__GROUPS;
     if (s->photons.count)
         qsort(s->photons.items, s->photons.count, sizeof *s->photons.items, ascending);
     if (o->stored.count)
@@ -104,8 +102,9 @@ static void configure(work *w)
                                       .maps = {o->maps[0], o->maps[1]},
                                       .width = s->render.width,
                                       .height = s->render.height,
-                                      .samples = samples,
-                                      .deep = DEEPER * samples,
+                                      .spp = s->render.spp,
+                                      .looks = s->full ? FULL_LOOKS : QUICK_LOOKS,
+                                      .deep = s->full ? FULL_DEEP : QUICK_DEEP,
                                       .gather = GATHER,
                                       .large = s->full ? FULL_LARGE : QUICK_LARGE,
                                       .k = s->ks.count ? s->ks.items[0] : K,

@@ -133,7 +133,7 @@ const pm__option pm__storage_option_share = {
 const pm__option pm__storage_option_size = {
     "size", 0, "WxH", "pixels of the image: those of the scene's reference, or a whole multiple", set_size};
 const pm__option pm__storage_option_spp = {
-    "spp", 0, "N", "eye paths a pixel that each map is looked at by, a multiple of 4 (quick: 4; full: 16)", set_spp};
+    "spp", 0, "N", "eye paths a pixel that look at each map, a multiple of 4 (65536 in all; full: 262144)", set_spp};
 const pm__option pm__storage_option_seconds = {
     "seconds", 0, "S", "no further trial of a scene once S seconds are over, but two (none)", set_seconds};
 const pm__option pm__storage_option_output = {

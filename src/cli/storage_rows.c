@@ -38,6 +38,7 @@
     X(flux_important_ratio, number(row->flux[PM__IMPORTANT] / row->expected[PM__IMPORTANT])) \
     X(flux_important_ratio_ci95, interval(row->flux_ci95[PM__IMPORTANT]))       \
     X(unmet, from->unsupported ? absent : pm__count_cell(row->unmet))           \
+    X(spp, count(from->scene_item->result.spp))                                 \
     X(truth_mean, number(from->scene_item->result.truth_mean > 0.0 ?            \
                          from->scene_item->result.truth_mean : (double)NAN))    \
     X(status, text(from->scene_item->status))                                   \
@@ -232,7 +233,7 @@ static json_t *options_of(const pm__storage_task *task)
     (void)json_object_set_new(options, "importance", json_string(s->storage.importance));
     (void)json_object_set_new(options, "share", json_real(w->share));
     (void)json_object_set_new(options, "size", json_string(size));
-    (void)json_object_set_new(options, "spp", json_integer((json_int_t)(w->samples * PM__GROUPS)));
+    (void)json_object_set_new(options, "spp", w->spp ? json_integer((json_int_t)w->spp) : json_string("auto"));
     (void)json_object_set_new(options, "seconds", w->seconds > 0.0 ? json_real(w->seconds) : json_null());
     (void)json_object_set_new(options, "profile", json_string(s->full ? "full" : "quick"));
     (void)json_object_set_new(options, "threads", json_integer((json_int_t)s->threads));

@@ -13,8 +13,8 @@ static void print_heading(FILE *file, const pm__storage_scene *scene, bool colou
     const pm__storage_result *const r = &scene->result;
     char name[PM__MAX_SPEC], text[300];
     pm__spec_format(scene->scene, name, sizeof name);
-    (void)snprintf(text, sizeof text, "%zux%zu pixels beside the stored reference, mean %.6g W/(m2 sr); %zu trials",
-                   r->width, r->height, r->truth_mean, r->trials);
+    (void)snprintf(text, sizeof text, "%zux%zu pixels of %zu paths beside the stored reference, mean %.6g W/(m2 sr); "
+                                      "%zu trials", r->width, r->height, r->spp, r->truth_mean, r->trials);
     (void)fprintf(file, "\n%s%s%s: ", colourful ? "\033[1m" : "", name, colourful ? "\033[0m" : "");
     pm__wrap(file, r->row_count ? text : scene->detail, (int)strlen(name) + 2, 4);
 }
@@ -27,10 +27,12 @@ static void print_count(FILE *file, int width, double value)
         (void)fprintf(file, " %*.2e", width - 1, value);
 }
 
+static const double rounding = 1e-6; /* relative: powers are floats */
+
 /* The share of what is expected, in percent, marked where its interval does not hold 100. */
 static void print_share(FILE *file, int width, double stored, double expected, pm__interval interval)
 {
-    const bool off = interval.low > 1.0 || interval.high < 1.0;
+    const bool off = interval.low > 1.0 + rounding || interval.high < 1.0 - rounding;
     if (isfinite(stored / expected))
         (void)fprintf(file, "%*.2f%c", width - 1, 100.0 * stored / expected, off ? '!' : ' ');
     else
@@ -43,7 +45,7 @@ static void print_row(FILE *file, const pm__storage_row *row)
     print_count(file, 9, row->stored);
     (void)fputc(' ', file);
     for (int p = 0; p < PM__PARTS; p++)
-        print_share(file, p ? 8 : 8, row->flux[p], row->expected[p], row->flux_ci95[p]);
+        print_share(file, 8, row->flux[p], row->expected[p], row->flux_ci95[p]);
     pm__table_number(file, 6, row->spread, 0);
     (void)fputc(' ', file);
     pm__table_number(file, 6, 100.0 * row->error.rms_bias, 0);

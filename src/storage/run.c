@@ -14,7 +14,8 @@ static const double near_share = 0.01;
 /* The same for lookups: farther photons lie on other surfaces, and a search that finds none ends. */
 static const double radius_share = 0.1;
 
-enum { IMPORTONS = 200, OUTLIER = 100, MOST_SENT = 64 }; /* MOST_SENT: photons for each that is to be stored */
+/* MOST_SENT: photons for each that is to be stored; DEEPER: eye paths for each by which maps are looked at, at least */
+enum { IMPORTONS = 200, OUTLIER = 100, MOST_SENT = 64, DEEPER = 8 };
 /* What lookups cost beside photons, and the large maps' beside those of trials: for progress alone. */
 static const double lookup_work = 0.5, deep_work = 0.7;
 
@@ -130,16 +131,31 @@ static bool is_canceled(void *context)
     return job->wish->canceled && job->wish->canceled(job->wish->context);
 }
 
+/* Of a pixel and group. */
+static size_t samples_of(const pm__storage_wish *w, size_t pixels)
+{
+    const size_t samples = (w->looks + PM__GROUPS * pixels / 2) / (PM__GROUPS * pixels);
+    return w->spp ? w->spp / PM__GROUPS : samples ? samples : 1;
+}
+
+static size_t deep_of(const pm__storage_wish *w, size_t pixels)
+{
+    const size_t least = DEEPER * samples_of(w, pixels), deep = w->deep / (PM__GROUPS * pixels);
+    return deep > least ? deep : least;
+}
+
 static pm__viewing_config viewing_of(pm__storage_job *job)
 {
     const pm__storage_wish *const w = job->wish;
+    const size_t pixels = job->result->width * job->result->height;
+    job->result->spp = PM__GROUPS * samples_of(w, pixels);
     return (pm__viewing_config){.scene = job->stage.scene,
                                 .camera = &job->stage.camera,
                                 .reference = &job->reference.radiance,
                                 .width = job->result->width,
                                 .height = job->result->height,
-                                .samples = w->samples,
-                                .deep = w->deep,
+                                .samples = samples_of(w, pixels),
+                                .deep = deep_of(w, pixels),
                                 .gather = w->gather,
                                 .near = job->result->near,
                                 .k = w->k,
@@ -451,10 +467,12 @@ double pm__storage_bytes(const pm__storage_wish *wish)
     if (load_reference(wish, &reference, NULL) == PM_OK) {
         const double values = 3.0 * (double)(reference.radiance.width * reference.radiance.height);
         const double rows = (double)(wish->policy_count * (wish->photon_count + wish->stored_count) * PM__MAP_KINDS);
+        const size_t width = wish->width ? wish->width : reference.radiance.width;
+        const size_t height = wish->height ? wish->height : reference.radiance.height;
         const pm__viewing_config viewing = {.reference = &reference.radiance,
-                                            .width = wish->width ? wish->width : reference.radiance.width,
-                                            .height = wish->height ? wish->height : reference.radiance.height,
-                                            .samples = wish->samples,
+                                            .width = width,
+                                            .height = height,
+                                            .samples = samples_of(wish, width * height),
                                             .gather = wish->gather,
                                             .photons = wish->large};
         /* Photons of a path may be stored several times: of the largest map about twice as many as are sent. */

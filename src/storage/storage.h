@@ -21,7 +21,10 @@ typedef struct pm__storage_wish {
     size_t policy_count, photon_count, stored_count;
     bool maps[PM__MAP_KINDS];      /* asked for; no rows of those that the scene has not */
     size_t width, height;          /* pixels; 0: as many as the reference has */
-    size_t samples, deep, gather;  /* viewing.h; eye paths of a pixel and group */
+    size_t spp;                    /* eye paths of a pixel by which maps are looked at, a multiple of PM__GROUPS */
+    size_t looks, deep;            /* about so many eye paths of the whole image: by which maps are looked at where spp
+                                      is 0; for the light that stays, 8 times as many or more */
+    size_t gather;                 /* viewing.h */
     size_t large;                  /* photons in large maps */
     size_t k;                      /* photons in a lookup */
     size_t paths;                  /* eye paths of importance */
@@ -88,7 +91,7 @@ typedef struct pm__storage_result {
     pm__storage_front *fronts;
     pm__density_image *images;
     size_t row_count, front_count, image_count;
-    size_t width, height;      /* pixels */
+    size_t width, height, spp; /* pixels; eye paths of each by which maps were looked at */
     size_t trials;             /* done by all rows */
     double truth_mean;         /* of the reference, W/(m2 sr) */
     double near;               /* m: viewing.h */

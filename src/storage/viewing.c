@@ -13,7 +13,11 @@
 
 /* Paths and photons of the viewing alone: importons, and the trials' photons, have numbers of their own. */
 #define VIEWING_SEED 0x76696577ull
+#define LAMP_SEED 0x6c616d70ull
 enum { LARGE_TRIAL = 0x7f000000, MOST_SENT = 16 };
+/* Lamps in the picture: how finely a pixel is searched for their edges, across and down; and paths that see nothing
+ * else, of a pixel that has some. */
+enum { SEARCHED = 4, LAMP_PATHS = 1024 };
 
 /* One row of cells in one group. */
 typedef struct strip {
@@ -41,6 +45,7 @@ typedef struct walking {
     double *light;                          /* [3 * across]: direct and seen, sums over paths */
     double *large_light[PM__MAP_KINDS];     /* sums over paths that have been looked up */
     pm__points_list points[PM__MAP_KINDS];  /* of the paths in hand */
+    bool *edges;                            /* [pixel of the strip]: what is seen of lamps has been added */
     pm_status status;
 } walking;
 
@@ -84,7 +89,7 @@ static void follow_path(walking *w, size_t x, size_t y, uint32_t sample)
     pm__place_in_pixel(seed + ((uint64_t)w->group << 32), pixel, sample, at);
     pm__eye_through(&eye, c->scene, c->camera, &numbers, (double)x + at[0], (double)y + at[1]);
     const bool reached = pm__eye_follow(&eye);
-    for (size_t b = 0; b < 3; b++)
+    for (size_t b = 0; b < 3 && !w->edges[(y - w->row * w->viewing->block) * c->width + x]; b++)
         w->light[3 * (size_t)cell + b] += eye.emitted[b];
     if (!reached)
         return;
@@ -94,6 +99,53 @@ static void follow_path(walking *w, size_t x, size_t y, uint32_t sample)
         ray.sees_caustics = false; /* the caustic map has them */
         gather(w, &ray, cell, 1.0 / (double)c->gather);
         eye.numbers = ray.numbers;
+    }
+}
+
+/* What is seen of lamps alone. */
+static void look_for_lamps(const walking *w, uint64_t seed, const size_t pixel[2], const double at[2], uint32_t sample,
+                           double seen[3])
+{
+    const pm__viewing_config *const c = &w->viewing->config;
+    const pm__eye_numbers numbers =
+        pm__eye_numbers_of(seed, (uint32_t)w->group, sample, (uint64_t)pixel[1] * c->width + pixel[0]);
+    pm__eye eye;
+    pm__eye_through(&eye, c->scene, c->camera, &numbers, (double)pixel[0] + at[0], (double)pixel[1] + at[1]);
+    (void)pm__eye_follow(&eye);
+    memcpy(seen, eye.emitted, sizeof eye.emitted);
+}
+
+/* By numbers of their own: what paths see there must not decide how it is counted. */
+static bool has_edge(const walking *w, const size_t pixel[2])
+{
+    double first[3], seen[3];
+    for (uint32_t i = 0; i < SEARCHED * SEARCHED; i++) {
+        const double at[2] = {(i % SEARCHED + 0.5) / SEARCHED, (double)(i / SEARCHED + 0.5) / SEARCHED};
+        look_for_lamps(w, w->viewing->config.seed ^ VIEWING_SEED ^ LAMP_SEED, pixel, at, i, i ? seen : first);
+        if (i && memcmp(first, seen, sizeof seen) != 0)
+            return true;
+    }
+    return false;
+}
+
+/* A lamp is so much brighter than all else that the few pixels with its edges would make most of the noise of the whole
+ * image: there it is looked at by many paths that see nothing else. */
+static void see_lamps(walking *w)
+{
+    const pm__viewing_config *const c = &w->viewing->config;
+    const uint64_t seed = (c->seed ^ VIEWING_SEED ^ LAMP_SEED) + 1;
+    const size_t block = w->viewing->block;
+    for (size_t i = 0; i < block * c->width; i++) {
+        const size_t pixel[2] = {i % c->width, w->row * block + i / c->width};
+        const size_t cell = pixel[0] / block;
+        w->edges[i] = has_edge(w, pixel);
+        for (uint32_t s = 0; s < LAMP_PATHS && w->edges[i]; s++) {
+            double at[2], seen[3];
+            pm__place_in_pixel(seed + ((uint64_t)w->group << 32), pixel[1] * c->width + pixel[0], s, at);
+            look_for_lamps(w, seed, pixel, at, s, seen);
+            for (size_t b = 0; b < 3; b++)
+                w->light[3 * cell + b] += seen[b] * (double)c->deep / LAMP_PATHS;
+        }
     }
 }
 
@@ -169,11 +221,13 @@ static void make_strip(void *argument, size_t row)
     const size_t values = 3 * v->across;
     double *const sums = pm__alloc_zero(5 * values, sizeof *sums);
     walking w = {.viewing = v, .large = m->large, .group = m->group, .row = row, .light = sums};
-    w.status = c->canceled && c->canceled(c->context) ? PM_ECANCELED : sums ? PM_OK : PM_ENOMEM;
+    w.edges = pm__alloc_zero(v->block * c->width, sizeof *w.edges);
+    w.status = c->canceled && c->canceled(c->context) ? PM_ECANCELED : sums && w.edges ? PM_OK : PM_ENOMEM;
     if (w.status == PM_OK) {
         double *kept[PM__MAP_KINDS] = {sums + 3 * values, sums + 4 * values};
         w.large_light[0] = sums + values;
         w.large_light[1] = sums + 2 * values;
+        see_lamps(&w);
         make_paths(&w, &v->strips[m->group * v->down + row], kept);
         fix(&w, (const double *const *)kept, c->reference->values);
     }
@@ -181,6 +235,7 @@ static void make_strip(void *argument, size_t row)
         atomic_store(&m->failure, (int)w.status);
     for (int kind = 0; kind < PM__MAP_KINDS; kind++)
         pm__points_free(&w.points[kind]);
+    free(w.edges);
     free(sums);
 }
 
