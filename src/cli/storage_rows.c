@@ -24,6 +24,8 @@
     X(rel_rmse_ci95, interval(row->error.rmse_ci95))                            \
     X(rel_bias_ci95, interval(row->error.bias_ci95))                            \
     X(rms_bias, number(row->error.rms_bias))                                    \
+    X(rel_added, number(row->error.added))                                      \
+    X(rel_added_ci95, interval(row->error.added_ci95))                          \
     X(photons, count(row->photons))                                             \
     X(wanted, count(row->wanted))                                               \
     X(trials, count(row->trials))                                               \
@@ -48,7 +50,7 @@
     X(scene, text(from->scene))                                                 \
     X(policy, text(from->policy))                                               \
     X(map, text(from->map))                                                     \
-    X(rel_rmse, number(front->rel_rmse))                                        \
+    X(rel_added, number(front->rel_added))                                      \
     X(stored_ratio, number(front->stored_ratio))                                \
     X(stored_ratio_ci95, interval(front->stored_ci95))                          \
     X(trace_ratio, number(front->trace_ratio))                                  \
@@ -98,13 +100,13 @@ static pm__cell count(size_t value)
     return value ? pm__count_cell(value) : absent;
 }
 
-/* [[cost, rel_rmse], ...] */
+/* [[cost, rel_added], ...] */
 static pm__cell pairs(const source *from, const size_t *rows, size_t row_count, bool time)
 {
     json_t *const list = json_array();
     for (size_t i = 0; i < row_count; i++) {
         const pm__storage_row *const row = &from->scene_item->result.rows[rows[i]];
-        (void)json_array_append_new(list, json_pack("[f, f]", time ? row->total_s : row->stored, row->error.rmse));
+        (void)json_array_append_new(list, json_pack("[f, f]", time ? row->total_s : row->stored, row->error.added));
     }
     return (pm__cell){.type = PM__TREE, .tree = list};
 }
@@ -117,7 +119,7 @@ static pm__storage_row no_row(void)
     const double nan = (double)NAN;
     pm__storage_row row = {.emitted = nan, .stored = nan, .importance_s = nan, .trace_s = nan, .policy_s = nan,
                            .build_s = nan, .total_s = nan, .kept = nan, .spread = nan,
-                           .error = {nan, nan, nan, nan, none, none}};
+                           .error = {nan, nan, nan, nan, nan, none, none, none}};
     for (int p = 0; p < PM__PARTS; p++) {
         row.flux[p] = row.expected[p] = nan;
         row.flux_ci95[p] = none;

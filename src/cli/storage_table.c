@@ -48,12 +48,12 @@ static void print_row(FILE *file, const pm__storage_row *row)
         print_share(file, 8, row->flux[p], row->expected[p], row->flux_ci95[p]);
     pm__table_number(file, 6, row->spread, 0);
     (void)fputc(' ', file);
-    pm__table_number(file, 6, 100.0 * row->error.rms_bias, 0);
+    pm__table_number(file, 6, 100.0 * row->error.rmse, 0);
+    pm__table_interval(file, row->error.rmse_ci95, 0);
     (void)fputc(' ', file);
     pm__table_number(file, 6, 100.0 * row->error.noise, 0);
     (void)fputc(' ', file);
-    pm__table_number(file, 6, 100.0 * row->error.rmse, 0);
-    pm__table_interval(file, row->error.rmse_ci95, 0);
+    pm__table_number(file, 6, 100.0 * row->error.added, 0);
     const double times[] = {row->trace_s, row->policy_s, row->total_s};
     for (int i = 0; i < 3; i++)
         (void)fprintf(file, " %5.3g", times[i]);
@@ -71,8 +71,8 @@ static void print_map(FILE *file, const pm__storage_result *r, pm__map_kind map,
             continue;
         if (!any)
             (void)fprintf(file,
-                          "  %s%s map%s\n      sent   stored    flux  import. spread   bias  noise   rmse    95 %% "
-                          "interval trace polic total\n", colourful ? "\033[1m" : "", pm__map_names[map],
+                          "  %s%s map%s\n      sent   stored    flux  import. spread   rmse    95 %% interval  noise  "
+                          "added trace polic total\n", colourful ? "\033[1m" : "", pm__map_names[map],
                           colourful ? "\033[0m" : "");
         any = true;
         if (row->policy != before) {
@@ -106,10 +106,10 @@ static void print_ratio(FILE *file, double ratio, pm__interval interval)
         (void)fprintf(file, " %7.3g", ratio);
     else
         (void)fprintf(file, " %7s", "-");
-    if (isfinite(interval.low) && isfinite(interval.high))
+    if (interval.low >= 0.001 && interval.high < 1000.0)
         (void)fprintf(file, " [%5.3g,%5.3g]", interval.low, interval.high);
     else
-        (void)fprintf(file, " %13s", "");
+        (void)fprintf(file, " %13s", "any"); /* as good as */
 }
 
 static void print_front(FILE *file, const pm__storage_front *front)
@@ -124,7 +124,7 @@ static void print_front(FILE *file, const pm__storage_front *front)
         pm__wrap(file, front->detail, 28, 28);
         return;
     }
-    pm__table_number(file, 6, 100.0 * front->rel_rmse, 0);
+    pm__table_number(file, 6, 100.0 * front->rel_added, 0);
     print_ratio(file, front->stored_ratio, front->stored_ci95);
     print_ratio(file, front->trace_ratio, front->trace_ci95);
     print_ratio(file, front->time_ratio, front->time_ci95);
@@ -146,7 +146,7 @@ static void print_fronts(FILE *file, const pm__storage_result *r, bool colourful
     }
     if (any && r->front_count > 1) {
         qsort(order, r->front_count, sizeof(const pm__storage_front *), by_ratio);
-        (void)fprintf(file, "  %sat equal error `all` needs so many times as much%s\n%23srmse  stored"
+        (void)fprintf(file, "  %sat equal error `all` needs so many times as much%s\n%22sadded  stored"
                             "  95 %% interv.  tracing  95 %% interv.   in all  95 %% interv.\n",
                       colourful ? "\033[1m" : "", colourful ? "\033[0m" : "", "");
         for (size_t i = 0; i < r->front_count; i++) {
@@ -188,7 +188,8 @@ void pm__storage_print(FILE *file, const pm__storage_task *task)
     pm__wrap(file,
              "flux, import.: stored, in % of what comes with even sending, everywhere and in important places alone; "
              "! the 95 % interval does not hold 100. spread: the largest power within k neighbours over their median. "
-             "bias (rms), noise, rmse: of the image, in % of its mean. trace, polic, total: seconds of sending, of the "
+             "rmse, noise: of the image, in % of its mean; added: what this map adds to the error of large maps, "
+             "sqrt(rmse^2 - theirs^2). trace, polic, total: seconds of sending, of the "
              "policy, and until the map is there, importance included. sent, stored, times: means of a trial. "
              "-: does not exist.",
              0, 0);

@@ -85,7 +85,7 @@ static pm_status list_span(const pm__storage_item *items, size_t count, size_t r
         s->lists[STORED * count + i] = items[i].stored;
         s->lists[TRACE * count + i] = items[i].trace_s;
         s->lists[TIME * count + i] = items[i].total_s;
-        s->lists[COSTS * count + i] = items[i].tally.square;
+        s->lists[COSTS * count + i] = items[i].tally.added;
         s->trials = items[i].row.trials < s->trials ? items[i].row.trials : s->trials;
     }
     return PM_OK;
@@ -109,7 +109,7 @@ static void compare(const span *mine, const span *all, pm__storage_front *front)
         *intervals[c] = equal.ci95;
         if (c == STORED && equal.at != SIZE_MAX) {
             front->row = mine->row + equal.at;
-            front->rel_rmse = mine->items[equal.at].row.error.rmse;
+            front->rel_added = mine->items[equal.at].row.error.added;
         }
         if (equal.why)
             (void)snprintf(front->detail, sizeof front->detail, "%s", equal.why);
@@ -132,7 +132,7 @@ static pm_status fill_front(const span *mine, const span *all, pm__storage_front
 {
     const pm__interval none = {(double)NAN, (double)NAN};
     *front = (pm__storage_front){.policy = mine->items->row.policy, .map = mine->items->row.map, .row = SIZE_MAX,
-                                 .rel_rmse = (double)NAN, .stored_ratio = (double)NAN, .trace_ratio = (double)NAN,
+                                 .rel_added = (double)NAN, .stored_ratio = (double)NAN, .trace_ratio = (double)NAN,
                                  .time_ratio = (double)NAN, .stored_ci95 = none, .trace_ci95 = none,
                                  .time_ci95 = none};
     if (all)

@@ -192,7 +192,8 @@ static pm_status allot(const pm__storage_job *job, pm__storage_item *item)
         if (!(*lists[i] = pm__alloc_zero(trials, sizeof **lists[i])))
             return PM_ENOMEM;
     return item->hidden ? PM_OK
-                        : pm__tally_create(pm__viewing_values(job->viewing), trials, job->own_square, &item->tally);
+                        : pm__tally_create(pm__viewing_values(job->viewing), trials, job->own_square,
+                                           pm__viewing_base(job->viewing), &item->tally);
 }
 
 static pm__storage_row row_of(const pm__spec *policy, pm__map_kind kind, size_t photons, size_t wanted)

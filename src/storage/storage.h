@@ -66,7 +66,7 @@ typedef struct pm__storage_front {
     const pm__spec *policy;
     pm__map_kind map;
     size_t row;                    /* at which; SIZE_MAX: there is none */
-    double rel_rmse;
+    double rel_added;              /* tally.h: what stands in for the error where only differences count */
     double stored_ratio, trace_ratio, time_ratio;
     pm__interval stored_ci95, trace_ci95, time_ci95;
     size_t *stored_front, *time_front; /* rows of the policy that no other of its own beats in both; ascending cost */

@@ -5,23 +5,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-pm_status pm__tally_create(size_t values, size_t room, double own_square, pm__tally *tally)
-{
-    *tally = (pm__tally){.values = values,
-                         .room = room,
-                         .own_square = own_square,
-                         .square = pm__alloc_zero(room, sizeof *tally->square),
-                         .mean = pm__alloc_zero(room, sizeof *tally->mean),
-                         .sum = pm__alloc_zero(PM__GROUPS * values, sizeof *tally->sum)};
-    if (tally->square && tally->mean && tally->sum)
-        return PM_OK;
-    pm__tally_free(tally);
-    return PM_ENOMEM;
-}
-
 void pm__tally_free(pm__tally *tally)
 {
     free(tally->square);
+    free(tally->added);
     free(tally->mean);
     free(tally->sum);
     *tally = (pm__tally){0};
@@ -43,10 +30,28 @@ static double multiply(const float *errors, size_t values, double pairs[PM__PAIR
     return all;
 }
 
+pm_status pm__tally_create(size_t values, size_t room, double own_square, const float *base, pm__tally *tally)
+{
+    double pairs[PM__PAIRS];
+    *tally = (pm__tally){.values = values,
+                         .room = room,
+                         .own_square = own_square,
+                         .base_square = multiply(base, values, pairs) - own_square,
+                         .square = pm__alloc_zero(room, sizeof *tally->square),
+                         .added = pm__alloc_zero(room, sizeof *tally->added),
+                         .mean = pm__alloc_zero(room, sizeof *tally->mean),
+                         .sum = pm__alloc_zero(PM__GROUPS * values, sizeof *tally->sum)};
+    if (tally->square && tally->added && tally->mean && tally->sum)
+        return PM_OK;
+    pm__tally_free(tally);
+    return PM_ENOMEM;
+}
+
 void pm__tally_add(pm__tally *tally, const float *errors)
 {
     double pairs[PM__PAIRS];
     tally->square[tally->trials] = multiply(errors, tally->values, pairs) - tally->own_square;
+    tally->added[tally->trials] = tally->square[tally->trials] - tally->base_square;
     for (size_t p = 0; p < PM__PAIRS; p++)
         tally->pairs[p] += pairs[p] - tally->own_square;
     tally->mean[tally->trials] = 0.0;
@@ -127,7 +132,7 @@ static void fill_spread(const pm__tally *tally, double square, pm__view_error *e
 pm__view_error pm__tally_error(const pm__tally *tally)
 {
     const pm__interval none = {(double)NAN, (double)NAN};
-    pm__view_error error = {(double)NAN, (double)NAN, (double)NAN, (double)NAN, none, none};
+    pm__view_error error = {(double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, none, none, none};
     const size_t trials = tally->trials;
     if (!trials)
         return error;
@@ -137,12 +142,15 @@ pm__view_error pm__tally_error(const pm__tally *tally)
     const double square = mean_of(tally->square, trials);
     error.bias = mean_of(tally->mean, trials);
     error.rmse = root(square);
+    error.added = root(square - tally->base_square);
     if (trials < 2)
         return error;
     fill_spread(tally, square, &error);
     const double bias = hypot(half_of_mean(tally->mean, trials), half_of_mean(groups, PM__GROUPS));
     const double wide = hypot(half_of_mean(tally->square, trials), half_over_groups(tally));
     error.bias_ci95 = (pm__interval){error.bias - bias, error.bias + bias};
+    const double added = square - tally->base_square, apart = half_of_mean(tally->added, trials);
+    error.added_ci95 = (pm__interval){root(added - apart), root(added + apart)};
     error.rmse_ci95 = (pm__interval){root(square - wide), root(square + wide)};
     return error;
 }

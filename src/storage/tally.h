@@ -10,7 +10,11 @@
  *     noise squared = square - cross                       that of the variance over trials, T - 1 in the divisor
  *
  * and all three are unbiased, whatever T, since no product is of a random number with itself. They may come out below 0
- * by chance; their roots are then 0. The bias is the mean of e, of which the reference's noise is a part. */
+ * by chance; their roots are then 0. The bias is the mean of e, of which the reference's noise is a part.
+ *
+ * Most noise of `square` is that of the image with large maps, which all rows share. What the map in question adds,
+ *     added = square - square of the image with large maps,
+ * is without it; and equal errors are equal in it. */
 #ifndef PM_STORAGE_TALLY_H
 #define PM_STORAGE_TALLY_H
 
@@ -22,23 +26,24 @@ enum { PM__PAIRS = PM__GROUPS * (PM__GROUPS - 1) / 2 };
 typedef struct pm__tally {
     size_t values, room, trials;    /* of a group; trials that it has room for; done */
     double own_square;              /* v */
-    double *square;                 /* [trial]: <e_t, e_t> - v */
+    double base_square;             /* of the image with large maps */
+    double *square, *added;         /* [trial]: <e_t, e_t> - v; and less base_square */
     double *mean;                   /* [trial]: of e */
     double pairs[PM__PAIRS];        /* sums over trials of the products of two groups, less v */
     double group_mean[PM__GROUPS];  /* sums over trials */
     float *sum;                     /* [group * values + value], over trials */
 } pm__tally;
 
-/* room: trials at most. ENOMEM. */
-pm_status pm__tally_create(size_t values, size_t room, double own_square, pm__tally *tally);
+/* room: trials at most; base: errors of the image with large maps. ENOMEM. */
+pm_status pm__tally_create(size_t values, size_t room, double own_square, const float *base, pm__tally *tally);
 void pm__tally_free(pm__tally *tally); /* one that is all 0 is allowed */
 void pm__tally_add(pm__tally *tally, const float *errors);
 
 /* NAN: does not exist (of no trials; what needs two). Intervals are 95 %: over trials, and for what all trials share
  * over groups, by jackknife of each. bias: that of the reference's mean is not in it. */
 typedef struct pm__view_error {
-    double bias, rms_bias, noise, rmse;
-    pm__interval bias_ci95, rmse_ci95;
+    double bias, rms_bias, noise, rmse, added;
+    pm__interval bias_ci95, rmse_ci95, added_ci95; /* added: over trials alone */
 } pm__view_error;
 pm__view_error pm__tally_error(const pm__tally *tally);
 

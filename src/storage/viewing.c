@@ -17,7 +17,8 @@
 enum { LARGE_TRIAL = 0x7f000000, MOST_SENT = 16 };
 /* Lamps in the picture: how finely a pixel is searched for their edges, across and down; and paths that see nothing
  * else, of a pixel that has some. */
-enum { SEARCHED = 4, LAMP_PATHS = 1024 };
+enum { SEARCHED = 8, LAMP_PATHS = 1024 };
+static const double least_way = 1e-4; /* of the light: ways through glass that carry less are not looked along */
 
 /* One row of cells in one group. */
 typedef struct strip {
@@ -30,7 +31,9 @@ struct pm__viewing {
     size_t values;              /* of a group: 3 a cell */
     double scale;               /* 1 / mean of the reference */
     strip *strips;              /* [group * down + row] */
-    float *fixed[PM__MAP_KINDS]; /* [group * values + value]: relative, less the reference, without this map's light */
+    float *base;                /* [group * values + value]: relative errors with large maps */
+    float *fixed[PM__MAP_KINDS]; /* likewise, without the large map's light of `samples` paths */
+    bool *edges;                /* [pixel]: a lamp's edge is in it */
     bool has[PM__MAP_KINDS];
     pm_map *global;             /* large, of the first group */
 };
@@ -45,7 +48,6 @@ typedef struct walking {
     double *light;                          /* [3 * across]: direct and seen, sums over paths */
     double *large_light[PM__MAP_KINDS];     /* sums over paths that have been looked up */
     pm__points_list points[PM__MAP_KINDS];  /* of the paths in hand */
-    bool *edges;                            /* [pixel of the strip]: what is seen of lamps has been added */
     pm_status status;
 } walking;
 
@@ -89,7 +91,7 @@ static void follow_path(walking *w, size_t x, size_t y, uint32_t sample)
     pm__place_in_pixel(seed + ((uint64_t)w->group << 32), pixel, sample, at);
     pm__eye_through(&eye, c->scene, c->camera, &numbers, (double)x + at[0], (double)y + at[1]);
     const bool reached = pm__eye_follow(&eye);
-    for (size_t b = 0; b < 3 && !w->edges[(y - w->row * w->viewing->block) * c->width + x]; b++)
+    for (size_t b = 0; b < 3 && !w->viewing->edges[pixel]; b++)
         w->light[3 * (size_t)cell + b] += eye.emitted[b];
     if (!reached)
         return;
@@ -102,30 +104,45 @@ static void follow_path(walking *w, size_t x, size_t y, uint32_t sample)
     }
 }
 
-/* What is seen of lamps alone. */
-static void look_for_lamps(const walking *w, uint64_t seed, const size_t pixel[2], const double at[2], uint32_t sample,
-                           double seen[3])
+/* ---- Lamps in the picture ---------------------------------------------------------------------- */
+
+static void add_seen(void *context, const pm__eye *eye, bool reached)
 {
-    const pm__viewing_config *const c = &w->viewing->config;
-    const pm__eye_numbers numbers =
-        pm__eye_numbers_of(seed, (uint32_t)w->group, sample, (uint64_t)pixel[1] * c->width + pixel[0]);
-    pm__eye eye;
-    pm__eye_through(&eye, c->scene, c->camera, &numbers, (double)pixel[0] + at[0], (double)pixel[1] + at[1]);
-    (void)pm__eye_follow(&eye);
-    memcpy(seen, eye.emitted, sizeof eye.emitted);
+    double *const seen = context;
+    (void)reached;
+    for (int b = 0; b < 3; b++)
+        seen[b] += eye->emitted[b];
 }
 
-/* By numbers of their own: what paths see there must not decide how it is counted. */
-static bool has_edge(const walking *w, const size_t pixel[2])
+/* What is seen of lamps alone, straight and by every way through mirrors and glass that carries enough. */
+static void look_for_lamps(const pm__viewing_config *c, const size_t pixel[2], const double at[2], double seen[3])
+{
+    const pm__eye_numbers none = pm__eye_numbers_of(0, 0, 0, 0); /* chance is left out */
+    pm__eye eye;
+    seen[0] = seen[1] = seen[2] = 0.0;
+    pm__eye_through(&eye, c->scene, c->camera, &none, (double)pixel[0] + at[0], (double)pixel[1] + at[1]);
+    pm__eye_follow_all(&eye, least_way, add_seen, seen);
+}
+
+static bool has_edge(const pm__viewing_config *c, const size_t pixel[2])
 {
     double first[3], seen[3];
-    for (uint32_t i = 0; i < SEARCHED * SEARCHED; i++) {
-        const double at[2] = {(i % SEARCHED + 0.5) / SEARCHED, (double)(i / SEARCHED + 0.5) / SEARCHED};
-        look_for_lamps(w, w->viewing->config.seed ^ VIEWING_SEED ^ LAMP_SEED, pixel, at, i, i ? seen : first);
+    for (int i = 0; i < SEARCHED * SEARCHED; i++) {
+        const double at[2] = {(i % SEARCHED + 0.5) / SEARCHED, (i / SEARCHED + 0.5) / SEARCHED};
+        look_for_lamps(c, pixel, at, i ? seen : first);
         if (i && memcmp(first, seen, sizeof seen) != 0)
             return true;
     }
     return false;
+}
+
+/* Where on a fixed grid, which no path depends on: what paths see must not decide how it is counted. */
+static void find_edges(void *argument, size_t y)
+{
+    pm__viewing *const v = argument;
+    const pm__viewing_config *const c = &v->config;
+    for (size_t x = 0; x < c->width && !(c->canceled && c->canceled(c->context)); x++)
+        v->edges[y * c->width + x] = has_edge(c, (const size_t[2]){x, y});
 }
 
 /* A lamp is so much brighter than all else that the few pixels with its edges would make most of the noise of the whole
@@ -133,21 +150,22 @@ static bool has_edge(const walking *w, const size_t pixel[2])
 static void see_lamps(walking *w)
 {
     const pm__viewing_config *const c = &w->viewing->config;
-    const uint64_t seed = (c->seed ^ VIEWING_SEED ^ LAMP_SEED) + 1;
+    const uint64_t seed = c->seed ^ LAMP_SEED;
     const size_t block = w->viewing->block;
     for (size_t i = 0; i < block * c->width; i++) {
         const size_t pixel[2] = {i % c->width, w->row * block + i / c->width};
-        const size_t cell = pixel[0] / block;
-        w->edges[i] = has_edge(w, pixel);
-        for (uint32_t s = 0; s < LAMP_PATHS && w->edges[i]; s++) {
+        const size_t number = pixel[1] * c->width + pixel[0], cell = pixel[0] / block;
+        for (uint32_t s = 0; s < LAMP_PATHS && w->viewing->edges[number]; s++) {
             double at[2], seen[3];
-            pm__place_in_pixel(seed + ((uint64_t)w->group << 32), pixel[1] * c->width + pixel[0], s, at);
-            look_for_lamps(w, seed, pixel, at, s, seen);
+            pm__place_in_pixel(seed + ((uint64_t)w->group << 32), number, s, at);
+            look_for_lamps(c, pixel, at, seen);
             for (size_t b = 0; b < 3; b++)
                 w->light[3 * cell + b] += seen[b] * (double)c->deep / LAMP_PATHS;
         }
     }
 }
+
+/* ---- A strip ----------------------------------------------------------------------------------- */
 
 static void follow_paths(walking *w, uint32_t sample)
 {
@@ -170,8 +188,6 @@ static void look_at_large(walking *w)
             keep(w, pm__points_look(&w->points[kind], w->large[kind], &looking, w->large_light[kind]));
 }
 
-/* ---- A strip ----------------------------------------------------------------------------------- */
-
 /* What stays: relative, less the reference. kept: the large maps' sums over the paths that each trial looks up. */
 static void fix(const walking *w, const double *const kept[PM__MAP_KINDS], const float *reference)
 {
@@ -181,9 +197,10 @@ static void fix(const walking *w, const double *const kept[PM__MAP_KINDS], const
     const double deep = 1.0 / (pixels * (double)v->config.deep), some = 1.0 / (pixels * (double)v->config.samples);
     for (size_t i = 0; i < 3 * v->across; i++) {
         const double all = deep * (w->light[i] + w->large_light[0][i] + w->large_light[1][i]);
+        const double off = all - (double)reference[3 * w->row * v->across + i];
+        v->base[at + i] = (float)(v->scale * off);
         for (int kind = 0; kind < PM__MAP_KINDS; kind++)
-            v->fixed[kind][at + i] =
-                (float)(v->scale * (all - some * kept[kind][i] - (double)reference[3 * w->row * v->across + i]));
+            v->fixed[kind][at + i] = (float)(v->scale * (off - some * kept[kind][i]));
     }
 }
 
@@ -221,8 +238,7 @@ static void make_strip(void *argument, size_t row)
     const size_t values = 3 * v->across;
     double *const sums = pm__alloc_zero(5 * values, sizeof *sums);
     walking w = {.viewing = v, .large = m->large, .group = m->group, .row = row, .light = sums};
-    w.edges = pm__alloc_zero(v->block * c->width, sizeof *w.edges);
-    w.status = c->canceled && c->canceled(c->context) ? PM_ECANCELED : sums && w.edges ? PM_OK : PM_ENOMEM;
+    w.status = c->canceled && c->canceled(c->context) ? PM_ECANCELED : sums ? PM_OK : PM_ENOMEM;
     if (w.status == PM_OK) {
         double *kept[PM__MAP_KINDS] = {sums + 3 * values, sums + 4 * values};
         w.large_light[0] = sums + values;
@@ -235,7 +251,6 @@ static void make_strip(void *argument, size_t row)
         atomic_store(&m->failure, (int)w.status);
     for (int kind = 0; kind < PM__MAP_KINDS; kind++)
         pm__points_free(&w.points[kind]);
-    free(w.edges);
     free(sums);
 }
 
@@ -329,7 +344,9 @@ static pm_status set_up(const pm__viewing_config *config, pm__viewing *v)
     v->values = 3 * v->across * v->down;
     v->scale = 1.0 / mean_of(config->reference);
     v->strips = pm__alloc_zero(PM__GROUPS * v->down, sizeof *v->strips);
-    bool whole = v->strips;
+    v->edges = pm__alloc_zero(config->width * config->height, sizeof *v->edges);
+    v->base = pm__alloc_zero(PM__GROUPS * v->values, sizeof *v->base);
+    bool whole = v->strips && v->edges && v->base;
     for (int kind = 0; kind < PM__MAP_KINDS; kind++) {
         v->fixed[kind] = pm__alloc_zero(PM__GROUPS * v->values, sizeof *v->fixed[kind]);
         whole = whole && v->fixed[kind];
@@ -344,6 +361,8 @@ pm_status pm__viewing_create(const pm__viewing_config *config, pm__viewing **vie
     pm_status status = v ? set_up(config, v) : PM_ENOMEM;
     if (status == PM_ENOMEM)
         (void)pm__fail(error, status, "out of memory for the view of the scene");
+    if (status == PM_OK)
+        pm__for(config->parallel, config->height, find_edges, v);
     for (size_t group = 0; group < PM__GROUPS && status == PM_OK; group++)
         status = make_group(v, group, error);
     if (status == PM_OK)
@@ -363,6 +382,8 @@ void pm__viewing_destroy(pm__viewing *v)
         free(v->fixed[kind]);
     }
     free(v->strips);
+    free(v->base);
+    free(v->edges);
     pm_map_destroy(v->global);
     free(v);
 }
@@ -372,7 +393,7 @@ double pm__viewing_bytes(const pm__viewing_config *config)
     const double paths = (double)(config->width * config->height * PM__GROUPS * config->samples);
     const double values = 3.0 * (double)(config->reference->width * config->reference->height * PM__GROUPS);
     const double points = paths * (1.0 + (double)config->gather) * 2.0; /* lists grow by doubling */
-    return points * (double)sizeof(pm__point) + values * 2.0 * (double)sizeof(float) +
+    return points * (double)sizeof(pm__point) + values * 3.0 * (double)sizeof(float) +
            (double)config->photons * (2.0 * (double)sizeof(pm_photon) + 60.0);
 }
 
@@ -392,6 +413,11 @@ size_t pm__viewing_points(const pm__viewing *viewing, pm__map_kind kind)
     for (size_t i = 0; i < PM__GROUPS * viewing->down; i++)
         count += viewing->strips[i].points[kind].count;
     return count;
+}
+
+const float *pm__viewing_base(const pm__viewing *viewing)
+{
+    return viewing->base;
 }
 
 size_t pm__viewing_values(const pm__viewing *viewing)

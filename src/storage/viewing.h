@@ -62,6 +62,9 @@ size_t pm__viewing_points(const pm__viewing *viewing, pm__map_kind kind);
 /* Values of one group's image: 3 a pixel of the reference. */
 size_t pm__viewing_values(const pm__viewing *viewing);
 
+/* The image's relative error with large maps alone, as below; valid as long as the viewing. */
+const float *pm__viewing_base(const pm__viewing *viewing);
+
 /* The image's relative error with this map in place of the large one: (radiance - reference) / mean of the reference,
  * errors[group * values + value]. The same for any parallel. ENOMEM; ECANCELED. */
 pm_status pm__viewing_errors(const pm__viewing *viewing, pm__map_kind kind, const pm_map *map, float *errors);
