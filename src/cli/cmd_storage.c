@@ -14,9 +14,9 @@
 #include <string.h>
 
 enum { QUICK_TRIALS = 8, FULL_TRIALS = 32, K = 50, PATHS = 100000, GATHER = 4 };
-/* Eye paths of an image: by which maps are looked at, and for the light that stays. */
-enum { QUICK_LOOKS = 1 << 16, FULL_LOOKS = 1 << 18, QUICK_DEEP = 1 << 21, FULL_DEEP = 1 << 23 };
-enum { QUICK_LARGE = 500000, FULL_LARGE = 2000000 };
+enum { QUICK_LOOKS = 1 << 16, FULL_LOOKS = 1 << 18 }; /* eye paths of an image, by which maps are looked at */
+/* Photons of large maps: at most; and for each of the largest number that is asked for. */
+enum { QUICK_LARGE = 500000, FULL_LARGE = 2000000, LARGER = 5 };
 static const double default_share = 0.25;
 static const char default_scenes[] = "egg,office,maze,wide-floor";
 
@@ -85,6 +85,17 @@ static bool is_canceled(void *context)
     return pm__interrupted();
 }
 
+static size_t large_of(const pm__settings *s)
+{
+    const pm__counts *const lists[] = {&s->photons, &s->storage.stored};
+    const size_t most = s->full ? FULL_LARGE : QUICK_LARGE;
+    size_t large = 0;
+    for (int i = 0; i < 2; i++)
+        for (size_t j = 0; j < lists[i]->count; j++)
+            large = lists[i]->items[j] > large ? lists[i]->items[j] : large;
+    return large < most / LARGER ? LARGER * large : most;
+}
+
 static void configure(work *w)
 {
     pm__settings *const s = (pm__settings *)(uintptr_t)w->task.settings;
@@ -104,9 +115,8 @@ static void configure(work *w)
                                       .height = s->render.height,
                                       .spp = s->render.spp,
                                       .looks = s->full ? FULL_LOOKS : QUICK_LOOKS,
-                                      .deep = s->full ? FULL_DEEP : QUICK_DEEP,
                                       .gather = GATHER,
-                                      .large = s->full ? FULL_LARGE : QUICK_LARGE,
+                                      .large = large_of(s),
                                       .k = s->ks.count ? s->ks.items[0] : K,
                                       .paths = o->paths,
                                       .measure = (pm__measure)o->measure,

@@ -164,9 +164,11 @@ static void take(source *from, const pm__storage_scene *scene, const pm__spec *p
 static void describe(source *from, const pm__storage_row *row)
 {
     (void)snprintf(from->detail, sizeof from->detail, "%s", from->scene_item->detail);
-    if (!from->unsupported && row->wanted && row->stored < (double)row->wanted)
+    if (*from->detail)
+        return;
+    if (row->starved)
         (void)snprintf(from->detail, sizeof from->detail, "so many were not stored of %.0f sent", row->emitted);
-    else if (!from->unsupported && row->unmet)
+    else if (row->unmet)
         (void)snprintf(from->detail, sizeof from->detail, "what the policy requires was not reached in %zu of %zu "
                                                           "trials", row->unmet, row->trials);
 }

@@ -56,7 +56,7 @@ static void print_row(FILE *file, const pm__storage_row *row)
     pm__table_number(file, 6, 100.0 * row->error.added, 0);
     const double times[] = {row->trace_s, row->policy_s, row->total_s};
     for (int i = 0; i < 3; i++)
-        (void)fprintf(file, " %5.3g", times[i]);
+        pm__table_number(file, 6, times[i], 0);
     (void)fputc('\n', file);
 }
 

@@ -14,8 +14,9 @@ static const double near_share = 0.01;
 /* The same for lookups: farther photons lie on other surfaces, and a search that finds none ends. */
 static const double radius_share = 0.1;
 
-/* MOST_SENT: photons for each that is to be stored; DEEPER: eye paths for each by which maps are looked at, at least */
-enum { IMPORTONS = 200, OUTLIER = 100, MOST_SENT = 64, DEEPER = 8 };
+/* MOST_SENT: photons for each that is to be stored; DEEPER: eye paths, for the light
+ * that stays, for each by which maps are looked at */
+enum { IMPORTONS = 200, OUTLIER = 100, MOST_SENT = 64, DEEPER = 32 };
 /* What lookups cost beside photons, and the large maps' beside those of trials: for progress alone. */
 static const double lookup_work = 0.5, deep_work = 0.7;
 
@@ -138,12 +139,6 @@ static size_t samples_of(const pm__storage_wish *w, size_t pixels)
     return w->spp ? w->spp / PM__GROUPS : samples ? samples : 1;
 }
 
-static size_t deep_of(const pm__storage_wish *w, size_t pixels)
-{
-    const size_t least = DEEPER * samples_of(w, pixels), deep = w->deep / (PM__GROUPS * pixels);
-    return deep > least ? deep : least;
-}
-
 static pm__viewing_config viewing_of(pm__storage_job *job)
 {
     const pm__storage_wish *const w = job->wish;
@@ -155,7 +150,7 @@ static pm__viewing_config viewing_of(pm__storage_job *job)
                                 .width = job->result->width,
                                 .height = job->result->height,
                                 .samples = samples_of(w, pixels),
-                                .deep = deep_of(w, pixels),
+                                .deep = DEEPER * samples_of(w, pixels),
                                 .gather = w->gather,
                                 .near = job->result->near,
                                 .k = w->k,
@@ -312,6 +307,7 @@ static void note(pm__storage_job *job, pm__storage_item *item, size_t trial, con
     item->policy_s += set->policy_s;
     item->build_s += build_s;
     item->row.unmet += set->unmet;
+    item->row.starved += item->row.wanted && set->emitted >= MOST_SENT * (uint64_t)item->row.wanted;
     item->row.trials++;
 }
 

@@ -22,8 +22,7 @@ typedef struct pm__storage_wish {
     bool maps[PM__MAP_KINDS];      /* asked for; no rows of those that the scene has not */
     size_t width, height;          /* pixels; 0: as many as the reference has */
     size_t spp;                    /* eye paths of a pixel by which maps are looked at, a multiple of PM__GROUPS */
-    size_t looks, deep;            /* about so many eye paths of the whole image: by which maps are looked at where spp
-                                      is 0; for the light that stays, 8 times as many or more */
+    size_t looks;                  /* where spp is 0: about so many for the whole image */
     size_t gather;                 /* viewing.h */
     size_t large;                  /* photons in large maps */
     size_t k;                      /* photons in a lookup */
@@ -56,6 +55,7 @@ typedef struct pm__storage_row {
     double spread;                /* the largest over trials and important places: of k neighbours the largest power
                                      over their median */
     size_t unmet;                 /* trials in which the policy's demand was not met */
+    size_t starved;               /* in which 64 times `wanted` were sent, and so many were still not stored */
     pm__view_error error;         /* relative to the reference's mean */
 } pm__storage_row;
 
