@@ -9,16 +9,18 @@
 
 #define NO_CELL UINT32_MAX
 
-/* Slots of a cell's first room, lanes that kernels may read beyond, bits of a cell's coordinate in its key. Coordinates
+/* Slots of a cell's first room, bits of a cell's coordinate in its key. Coordinates
  * wrap: cells that share a key are far apart, and a photon's distance tells. */
-enum { FIRST_ROOM = 4, READ_BEYOND = 16, BITS = 18 };
+enum { FIRST_ROOM = 4, BITS = 18 };
 
 /* Counters of fresh photons; cells of a block's edge, as bits. */
 enum { COUNTERS = 1 << 14, BLOCK_BITS = 2 };
 
 pm_status pm__crowd_init(pm__crowd *crowd, double edge, bool one_reach)
 {
-    *crowd = (pm__crowd){.edge = edge, .one_reach = one_reach, .fresh = calloc(COUNTERS, sizeof *crowd->fresh)};
+    *crowd = (pm__crowd){.one_reach = one_reach, .fresh = calloc(COUNTERS, sizeof *crowd->fresh)};
+    for (int level = 0; level < PM__CROWD_LEVELS; level++)
+        crowd->inverse_edge[level] = ldexp(1.0 / edge, PM__CROWD_MIDDLE - level);
     return crowd->fresh ? PM_OK : PM_ENOMEM;
 }
 
@@ -39,7 +41,7 @@ void pm__crowd_free(pm__crowd *crowd)
 static uint64_t key_of(const int64_t cell[3], int level)
 {
     const uint64_t mask = ((uint64_t)1 << BITS) - 1;
-    uint64_t key = (uint64_t)(level + 128) & 0xff;
+    uint64_t key = (uint64_t)level;
     for (int a = 0; a < 3; a++)
         key = key << BITS | ((uint64_t)cell[a] & mask);
     return key + 1; /* never 0 */
@@ -54,30 +56,38 @@ static size_t hash(uint64_t key)
     return (size_t)(key ^ key >> 32);
 }
 
-static int64_t coordinate(double x, double inverse_edge)
+/* The largest whole number that is not above. */
+static inline int64_t coordinate(double x, double inverse_edge)
 {
     static const double farthest = 0x1p52;
-    return (int64_t)floor(fmax(-farthest, fmin(x * inverse_edge, farthest)));
+    const double cells = fmax(-farthest, fmin(x * inverse_edge, farthest));
+    const int64_t toward_zero = (int64_t)cells;
+    return toward_zero - ((double)toward_zero > cells);
 }
 
-/* The smallest level whose edge is no less than reach; by how much less reach is, in (0.5, 1]. */
-static int level_of(const pm__crowd *crowd, double reach, double *fill)
+/* The smallest level whose edge is no less than reach, of those that there are; by how much less reach is, in
+ * (0.5, 1]. As frexp has it, without a call. */
+static inline int level_of(const pm__crowd *crowd, double reach, double *fill)
 {
-    int level;
-    *fill = frexp(reach / crowd->edge, &level);
+    const double edges = reach * crowd->inverse_edge[PM__CROWD_MIDDLE];
+    uint64_t bits;
+    memcpy(&bits, &edges, sizeof bits);
+    int level = (int)(bits >> 52) - 1022;
+    bits = (bits & 0x000fffffffffffffu) | 0x3fe0000000000000u;
+    memcpy(fill, &bits, sizeof bits);
     if (*fill == 0.5) {
         *fill = 1.0;
         level--;
     }
-    return level < -100 ? -100 : level > 100 ? 100 : level;
+    level += PM__CROWD_MIDDLE;
+    return level < 1 ? 1 : level > PM__CROWD_LEVELS - 2 ? PM__CROWD_LEVELS - 2 : level;
 }
 
-static pm__crowd_place place_at(const pm__crowd *crowd, const float position[3], int level)
+static inline pm__crowd_place place_at(const pm__crowd *crowd, const float position[3], int level)
 {
     pm__crowd_place place = {.level = level};
-    const double inverse_edge = ldexp(1.0 / crowd->edge, -level);
     for (int a = 0; a < 3; a++)
-        place.cell[a] = coordinate((double)position[a], inverse_edge);
+        place.cell[a] = coordinate((double)position[a], crowd->inverse_edge[level]);
     place.key = key_of(place.cell, level);
     return place;
 }
@@ -99,12 +109,59 @@ static uint32_t find_cell(const pm__crowd *crowd, uint64_t key)
     }
 }
 
-void pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place, const double low[3], const double high[3],
-                      pm__crowd_run *run)
+/* ---- Hoods -------------------------------------------------------------------------------------- */
+
+static pm_status enlarge_hood(pm__crowd_hood *hood, size_t wanted)
 {
-    const double inverse_edge = ldexp(1.0 / crowd->edge, -place->level);
+    size_t rooms[5] = {hood->room, hood->room, hood->room, hood->room, hood->room};
+    for (int a = 0; a < 3; a++)
+        if (pm__grow((void **)&hood->at[a], &rooms[a], wanted, sizeof *hood->at[a]))
+            return PM_ENOMEM;
+    if (pm__grow((void **)&hood->ids, &rooms[3], wanted, sizeof *hood->ids) ||
+        pm__grow((void **)&hood->tags, &rooms[4], wanted, sizeof *hood->tags))
+        return PM_ENOMEM;
+    hood->room = rooms[4];
+    return PM_OK;
+}
+
+/* Of so few words a call would be most of the cost: by fours, to where there is room for more than are wanted. */
+static inline void copy(void *to, const void *from, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i += 4)
+        memcpy((char *)to + 4 * (size_t)i, (const char *)from + 4 * (size_t)i, 16);
+}
+
+static pm_status add_to_hood(const pm__crowd *crowd, const pm__crowd_cell *cell, pm__crowd_hood *hood)
+{
+    const size_t wanted = hood->count + cell->count + PM__CROWD_SPARE;
+    if (wanted > hood->room && enlarge_hood(hood, wanted))
+        return PM_ENOMEM;
+    for (int a = 0; a < 3; a++)
+        copy(hood->at[a] + hood->count, crowd->at[a] + cell->first, cell->count);
+    copy(hood->ids + hood->count, crowd->ids + cell->first, cell->count);
+    copy(hood->tags + hood->count, crowd->tags + cell->first, cell->count);
+    uint32_t differ = 0;
+    for (uint32_t i = 0; i < cell->count; i++)
+        differ |= hood->tags[hood->count + i] ^ hood->tags[0];
+    hood->alike = hood->alike && !differ;
+    hood->count += cell->count;
+    return PM_OK;
+}
+
+/* Lanes beyond the last are far from everywhere. */
+static void pad_hood(pm__crowd_hood *hood)
+{
+    for (size_t i = hood->count; i < hood->count + PM__CROWD_SPARE && hood->room; i++)
+        hood->at[0][i] = hood->at[1][i] = hood->at[2][i] = INFINITY;
+}
+
+pm_status pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place, const double low[3],
+                           const double high[3], pm__crowd_hood *hood)
+{
+    const double inverse_edge = crowd->inverse_edge[place->level];
     int64_t from[3], to[3], cell[3];
-    run->count = 0;
+    hood->count = 0;
+    hood->alike = true;
     for (int a = 0; a < 3; a++) {
         const int64_t first = coordinate(low[a], inverse_edge), last = coordinate(high[a], inverse_edge);
         from[a] = first < place->cell[a] - 1 ? place->cell[a] - 1 : first;
@@ -114,9 +171,38 @@ void pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place, cons
         for (cell[1] = from[1]; cell[1] <= to[1]; cell[1]++)
             for (cell[2] = from[2]; cell[2] <= to[2]; cell[2]++) {
                 const uint32_t found = find_cell(crowd, key_of(cell, place->level));
-                if (found != NO_CELL)
-                    run->cells[run->count++] = found;
+                if (found != NO_CELL && add_to_hood(crowd, &crowd->cells[found], hood))
+                    return PM_ENOMEM;
             }
+    pad_hood(hood);
+    return PM_OK;
+}
+
+void pm__crowd_hood_free(pm__crowd_hood *hood)
+{
+    for (int a = 0; a < 3; a++)
+        free(hood->at[a]);
+    free(hood->ids);
+    free(hood->tags);
+}
+
+pm_status pm__crowd_found_reserve(pm__crowd_found *found, const pm__crowd_hood *hood)
+{
+    const size_t wanted = hood->count + PM__CROWD_FEW + PM__CROWD_SPARE;
+    size_t rooms[2] = {found->room, found->room};
+    if (wanted <= found->room)
+        return PM_OK;
+    if (pm__grow((void **)&found->distance2, &rooms[0], wanted, sizeof *found->distance2) ||
+        pm__grow((void **)&found->places, &rooms[1], wanted, sizeof *found->places))
+        return PM_ENOMEM;
+    found->room = rooms[0];
+    return PM_OK;
+}
+
+void pm__crowd_found_free(pm__crowd_found *found)
+{
+    free(found->distance2);
+    free(found->places);
 }
 
 /* ---- Growing ------------------------------------------------------------------------------------ */
@@ -160,7 +246,7 @@ static pm_status add_cell(pm__crowd *crowd, uint64_t key, uint32_t *cell)
 
 static pm_status reserve_slots(pm__crowd *crowd, size_t more)
 {
-    const size_t wanted = crowd->used + more + READ_BEYOND;
+    const size_t wanted = crowd->used + more + FIRST_ROOM; /* may be read beyond */
     size_t rooms[5] = {crowd->room, crowd->room, crowd->room, crowd->room, crowd->room};
     if (wanted > UINT32_MAX)
         return PM_ENOMEM;

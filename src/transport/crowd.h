@@ -15,8 +15,10 @@ typedef struct pm__crowd_cell {
     uint32_t first, count, room;
 } pm__crowd_cell;
 
+enum { PM__CROWD_LEVELS = 128, PM__CROWD_MIDDLE = PM__CROWD_LEVELS / 2 };
+
 typedef struct pm__crowd {
-    double edge;   /* m, of level 0 */
+    double inverse_edge[PM__CROWD_LEVELS]; /* 1/m */
     bool one_reach; /* all photons have the same: they stand at its level alone */
     pm__crowd_cell *cells;
     size_t cell_count, cell_room;
@@ -31,23 +33,26 @@ typedef struct pm__crowd {
 /* Where a search begins. */
 typedef struct pm__crowd_place {
     int64_t cell[3];
-    int level;
+    int level; /* PM__CROWD_MIDDLE: of the edge that it was made with */
     uint64_t key;
 } pm__crowd_place;
 
-/* Cells that searches of one run look into. */
-typedef struct pm__crowd_run {
-    uint32_t cells[27];
-    size_t count;
-} pm__crowd_run;
+/* Photons of the cells that searches of one run look into, side by side. All zero: empty. */
+typedef struct pm__crowd_hood {
+    float *at[3];         /* m */
+    uint32_t *ids, *tags;
+    size_t count, room;
+    bool alike;           /* all have the first one's tag */
+} pm__crowd_hood;
 
-enum { PM__CROWD_FOUND = 2048, PM__CROWD_SPARE = 16 };
+/* Photons that are told apart by comparing each with every other, and lanes beyond that kernels may write. */
+enum { PM__CROWD_FEW = 64, PM__CROWD_SPARE = 16 };
 
-/* What a search finds, in no order. */
+/* What a search finds, in no order: squared distances, m2, and places in the hood. */
 typedef struct pm__crowd_found {
-    size_t count;
-    float distance2[PM__CROWD_FOUND + PM__CROWD_SPARE]; /* m2 */
-    uint32_t slots[PM__CROWD_FOUND + PM__CROWD_SPARE];
+    float *distance2;
+    uint32_t *places;
+    size_t count, room;
 } pm__crowd_found;
 
 /* edge: m, > 0. ENOMEM. */
@@ -64,17 +69,29 @@ pm_status pm__crowd_add(pm__crowd *crowd, const float position[3], double reach,
 unsigned pm__crowd_fresh(const pm__crowd *crowd, const pm__crowd_place *place);
 void pm__crowd_settle(pm__crowd *crowd);
 
-/* The cells of the place's level that the box meets; it must not go farther than a cell's edge beyond the place's. */
-void pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place, const double low[3], const double high[3],
-                      pm__crowd_run *run);
+/* The photons of the cells of the place's level that the box meets; it must not go farther than a cell's edge beyond
+ * the place's. ENOMEM. */
+pm_status pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place, const double low[3],
+                           const double high[3], pm__crowd_hood *hood);
+void pm__crowd_hood_free(pm__crowd_hood *hood);
+
+/* Room for all that a hood may give. ENOMEM. */
+pm_status pm__crowd_found_reserve(pm__crowd_found *found, const pm__crowd_hood *hood);
+void pm__crowd_found_free(pm__crowd_found *found);
+
+/* What photons of a hood are given: by band, and a place to spare so that SIMD has an even number. */
+typedef double pm__crowd_sum[4];
 
 /* The code in one width of SIMD. Every width finds the same. */
 typedef struct pm__crowd_kernel {
-    /* Photons of the run's cells within `reach` of the position; where they are more than `wanted` the nearest so many,
-     * of those equally far in one cell the latest (so that of photons heaped in one point none is searched in vain).
-     * wanted: from 1 to 512. Returns the squared distance, m2, of the farthest found; 0: none is found. */
-    float (*find)(const pm__crowd *crowd, const pm__crowd_run *run, const float position[3], float reach, size_t wanted,
-                  pm__crowd_found *found);
+    /* Photons of the hood within `reach` of the position; where they are more than `wanted` the nearest so many, of
+     * those equally far in one cell the latest (so that of photons heaped in one point none is searched in vain). */
+    void (*find)(const pm__crowd_hood *hood, const float position[3], float reach, size_t wanted,
+                 pm__crowd_found *found);
+    /* The squared distance, m2, of the farthest found; 0: none is. */
+    float (*farthest)(const pm__crowd_found *found);
+    /* The same to each of them. */
+    void (*give)(const uint32_t *places, size_t count, const double part[4], pm__crowd_sum *sums);
 } pm__crowd_kernel;
 
 extern const pm__crowd_kernel pm__crowd_plain, pm__crowd_avx2, pm__crowd_avx512;

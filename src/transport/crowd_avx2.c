@@ -3,5 +3,5 @@
 #define PM__SIMD_WIDTH 8
 #include "crowd_kernel.h"
 
-const pm__crowd_kernel pm__crowd_avx2 = {find};
+const pm__crowd_kernel pm__crowd_avx2 = {find, farthest, give};
 #endif

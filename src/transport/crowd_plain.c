@@ -2,4 +2,4 @@
 #define PM__SIMD_WIDTH 0
 #include "crowd_kernel.h"
 
-const pm__crowd_kernel pm__crowd_plain = {find};
+const pm__crowd_kernel pm__crowd_plain = {find, farthest, give};

@@ -1,6 +1,7 @@
 #include "emission.h"
 
 #include "../base/memory.h"
+#include "strata.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -142,17 +143,22 @@ static double factor_of(const pm__emission *emission, size_t light)
     return emission->points ? factor * emission->weight[light] : factor;
 }
 
-/* The numbers by which a photon leaves, from those that a sampler or chance gives, and the light. */
-static size_t prepare(const pm__emission *emission, uint64_t number, double u[6])
+/* The numbers by which a photon leaves, from those that a sampler or chance gives, the light, and the factor of its
+ * power. */
+static size_t prepare(const pm__emission *emission, uint64_t number, double u[6], double *factor)
 {
     size_t light;
-    if (emission->points) {
+    if (emission->strata) {
+        light = pm__strata_place(emission->strata, number, u, factor);
+    } else if (emission->points) {
         light = light_of(emission, number);
         const pm__points *const points = &emission->points[light];
         points->sampler->point(points, number - emission->first[light], u);
     } else {
         light = choose_light(emission, u[4]);
     }
+    if (!emission->strata)
+        *factor = factor_of(emission, light);
     if (emission->projection)
         pm__projection_aim(emission->projection, light, u);
     return light;
@@ -160,18 +166,18 @@ static size_t prepare(const pm__emission *emission, uint64_t number, double u[6]
 
 bool pm__depart(const pm__emission *emission, uint64_t number, pm__departure *departure)
 {
-    double u[6];
+    double u[6], factor;
     if (!(emission->total > 0.0))
         return false;
     if (!emission->points) {
         pm__trace_uniform(emission->seed, emission->trial, number, 0, u);
         pm__trace_uniform(emission->seed, emission->trial, number, 1, u + 3);
     }
-    const size_t light = prepare(emission, number, u);
+    const size_t light = prepare(emission, number, u, &factor);
     const pm__light *const from = pm__scene_light_at(emission->scene, light);
     pm__emit(from, u, departure->position, departure->direction);
     for (int b = 0; b < 3; b++)
-        departure->power[b] = from->power[b] * factor_of(emission, light);
+        departure->power[b] = from->power[b] * factor;
     return true;
 }
 
@@ -189,27 +195,28 @@ static void choose_lights(const pm__emission *emission, pm__batch *photons)
     }
 }
 
-/* Their lights, as their places; u and v[0] as pm__emit has them. */
+/* Their lights, as their places; u and v[0] as pm__emit has them; of strata v[1]: the factors of their powers. */
 static void prepare_all(const pm__emission *emission, const pm__batch_kernel *kernel, pm__batch *photons)
 {
     if (!emission->points) {
         kernel->draw(photons, emission->seed, emission->trial, 0, photons->u);
         kernel->draw(photons, emission->seed, emission->trial, 1, photons->v);
     }
-    if (!emission->points && !emission->projection) {
+    if (!emission->points && !emission->projection && !emission->strata) {
         choose_lights(emission, photons);
         return;
     }
     for (size_t i = 0; i < photons->count; i++) {
-        double u[6];
+        double u[6], factor;
         for (int k = 0; k < 3; k++) {
             u[k] = photons->u[k][i];
             u[k + 3] = photons->v[k][i];
         }
-        photons->place[i] = (int64_t)prepare(emission, photons->number[i], u);
+        photons->place[i] = (int64_t)prepare(emission, photons->number[i], u, &factor);
         for (int k = 0; k < 3; k++)
             photons->u[k][i] = u[k];
         photons->v[0][i] = u[3];
+        photons->v[1][i] = factor;
     }
 }
 
@@ -225,8 +232,11 @@ bool pm__depart_all(const pm__emission *emission, const pm__batch_kernel *kernel
         if (!(sent(emission, light) > 0.0))
             continue;
         for (int b = 0; b < 3; b++)
-            power[b] = from->power[b] * factor_of(emission, light);
+            power[b] = emission->strata ? from->power[b] : from->power[b] * factor_of(emission, light);
         kernel->emit(photons, &lamp, (int64_t)light, power);
     }
+    for (int b = 0; b < 3 && emission->strata; b++)
+        for (size_t i = 0; i < photons->count; i++)
+            photons->power[b][i] *= photons->v[1][i];
     return true;
 }

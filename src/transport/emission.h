@@ -17,6 +17,7 @@ typedef struct pm__emission {
     pm__points *points; /* of each light, of a set spread by a sampler; NULL: independent photons */
     uint64_t *first;    /* the first number of each light's, and the end of the last one's */
     double *weight;     /* of each light's photons, about 1: what rounding to whole grids leaves */
+    const struct pm__strata *strata; /* photons are sent by strata of the lights' numbers (strata.h); NULL: evenly */
 } pm__emission;
 
 /* A photon as it leaves. power: W, as if the number of photons emitted were 1. */

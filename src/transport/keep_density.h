@@ -2,7 +2,8 @@
  *
  * A photon is stored where fewer lie than required, D_cur = M / (pi r_M^2) < D_r with r_M the distance of the M-th
  * nearest that is stored; else its power goes in equal parts to those of the M nearest that face it, and where none
- * does it is stored after all (errata 42). So flux is kept exactly: powers are doubles while a map grows, and are
+ * does it is stored after all (errata 42). Those take no power of a photon that matter where it does not, or do not
+ * where it does: so flux is kept of important places alone too. So flux is kept exactly: powers are doubles while a map grows, and are
  * rounded once. Stored photons are those of crowd.h: where D_r jumps, the sparse side and the dense one do not see each
  * other, and light does not leak across. */
 #ifndef PM_TRANSPORT_KEEP_DENSITY_H

@@ -2,6 +2,7 @@
 
 #include "../base/memory.h"
 #include "keep_chance.h"
+#include "send_strata.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +27,8 @@ static double chance(const pm__storage *storage, const pm__arrivals *arrivals, s
 {
     const chances *const own = storage->own;
     const double importance = (double)arrivals->importance[i];
-    return fmax(own->least, own->full > 0.0 ? fmin(importance / own->full, 1.0) : 0.0);
+    const double share = fmax(own->least, own->full > 0.0 ? fmin(importance / own->full, 1.0) : 0.0);
+    return fmin(1.0, share * pm__load_of(storage, arrivals, i));
 }
 
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)

@@ -226,13 +226,13 @@ static pm_status settle(run *r)
     pm__storage *const s = &r->storage;
     const double share = r->sent > 0 ? 1.0 / (double)r->sent : 0.0;
     settling work = {.stock = &s->stock, .factor = s->unit * share, .settled = s->settled,
-                     .settled_factor = s->planned > 0 ? s->unit / (double)s->planned : 0.0};
+                     .settled_factor = s->unit};
     if (s->stock.count == 0)
         return PM_OK;
     pm__for(s->config->parallel, pieces_of(s->stock.count), settle_piece, &work);
     if (work.too_large)
         return pm__fail(s->error, PM_EINVAL, "a photon has more W than a float holds");
-    return pm__check_smallness(s->emission.total, share, s->error);
+    return r->sent > 0 ? pm__check_smallness(s->emission.total, share, s->error) : PM_OK;
 }
 
 static void hand_over(run *r)
@@ -240,7 +240,9 @@ static void hand_over(run *r)
     pm__stored_photons *const set = r->set;
     pm__stock *const stock = &r->storage.stock;
     for (int part = 0; part < PM__PARTS; part++)
-        set->came[part] = r->sent > 0 ? r->came[part] * r->storage.unit / (double)r->sent : 0.0;
+        set->came[part] = r->storage.unit * (r->storage.settled_came[part] +
+                                             (r->sent > 0 ? r->came[part] / (double)r->sent : 0.0));
+    set->arrived += r->storage.settled_arrived;
     add_powers(stock->photons, stock->part, stock->count, set->flux);
     set->photons = stock->photons;
     set->normals = stock->normals;
@@ -314,6 +316,7 @@ static pm_status prepare(run *r)
     s->threshold = s->config->importance ? pm__importance_threshold(s->config->importance, s->config->kind) : 0.0;
     if (status == PM_OK && s->planned > 0 && s->policy->send)
         status = s->policy->send->plan(s);
+    r->set->emitted = s->tried;
     r->set->trace_s += pm__seconds() - start;
     if (status == PM_OK && s->policy->keep->begin)
         status = s->policy->keep->begin(s);

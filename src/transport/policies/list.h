@@ -9,7 +9,11 @@
     X(all)                \
     X(percentage)         \
     X(probability)        \
-    X(density)
+    X(density)            \
+    X(emission)           \
+    X(peter_pietrek)      \
+    X(emission_density)   \
+    X(emission_probability)
 
 #define X(name) extern const pm__policy pm__policy_##name;
 PM_POLICY_LIST(X)

@@ -34,8 +34,11 @@ typedef struct pm__storage {
     double unit;               /* W: the powers of arrivals and of the stock are in it */
     double threshold;          /* 1/m2: from here on a place is important */
     pm__stock stock;
-    size_t settled;            /* the first so many of the stock have their power already: of `planned` photons */
-    void *own;                 /* the policy's */
+    size_t settled;            /* the first so many of the stock have their power already, in units */
+    double settled_came[PM__PARTS]; /* what came of them, in units, and how many */
+    size_t settled_arrived;
+    struct pm__sender *sender; /* how photons are sent: the policy's `send` */
+    void *own;                 /* the policy's `keep` */
     pm_error *error;
 } pm__storage;
 

@@ -1,0 +1,57 @@
+/* Sending by importance: trial photons say which strata of emission lead to where it matters.
+ * [C02] 5.7.4 (Christensen), 3.5.3 (Peter and Pietrek 1998). */
+#ifndef PM_TRANSPORT_SEND_STRATA_H
+#define PM_TRANSPORT_SEND_STRATA_H
+
+#include "policies/policy.h"
+#include "strata.h"
+
+typedef struct pm__stray {
+    pm_photon photon; /* power: in units of the storage */
+    float normal[3];
+} pm__stray;
+
+typedef struct pm__sender {
+    pm__strata strata;
+    pm__stray *strays; /* photons of more power than others have where they came to */
+    size_t stray_count, stray_room;
+} pm__sender;
+
+/* Parameters `strata`, `tests`. Strata of which a trial photon comes to an important place send what even sending would
+ * of config->emitted photons, others 1/`ratio` of that, but no fewer than one or what they would: so photons from them
+ * carry up to `ratio` times the power. Photons are fresh, so that nothing is biased. With `form=printed` strata in vain
+ * send none: what their trial photons stored is stored, each for its share of the stratum (erratum 38). */
+extern const pm__sending pm__send_sets;
+
+/* Parameters `strata`, `tests`, `least`: strata send by their power times what their trial photons found of importance,
+ * and a share `least` of all photons evenly. */
+extern const pm__sending pm__send_by_importance;
+
+/* Power of arrival i's path when it left, over that of a photon sent evenly. */
+static inline double pm__load_of(const pm__storage *storage, const pm__arrivals *arrivals, size_t i)
+{
+    const pm__sender *const sender = storage->sender;
+    if (!sender)
+        return 1.0;
+    return sender->strata.items[pm__strata_find(&sender->strata, arrivals->first + arrivals->numbers[i])].load;
+}
+
+/* Keeps arrivals, but for strays, photons of more power than even ones that came to an important place: these are put
+ * aside, unless `strays=keep`. */
+typedef pm_status (*pm__keep)(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken);
+pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, size_t *taken);
+
+/* Their power is shared out among the important photons that are nearest and face them; none receives more than it had
+ * itself, from all of them. Where that cannot be, strays are stored. The powers of the stock must be final. */
+pm_status pm__share_strays(pm__storage *storage);
+
+#define PM__STRATA_PARAMS                                                                                      \
+    {"strata", PM__INTEGER, 64.0, 1.0, 65536.0, "", NULL, "of each light's emission; a power of two of them"}, \
+        {"tests", PM__INTEGER, 8.0, 1.0, 4096.0, "", NULL, "trial photons of each stratum"}
+#define PM__SETS_PARAMS                                                                                             \
+    PM__STRATA_PARAMS,                                                                                              \
+        {"ratio", PM__REAL, 16.0, 1.0, 1e4, "", NULL, "of photons of strata that matter to those of others"},       \
+        {"strays", PM__CHOICE, 0, 0, 1, "", "share|keep", "powerful photons where it matters: shared out, or stored"}
+enum { PM__STRATA_PARAM_COUNT = 2, PM__SETS_PARAM_COUNT = 4 };
+
+#endif
