@@ -4,19 +4,20 @@
 #include "../base/clock.h"
 #include "../base/memory.h"
 #include "../methods/film.h"
+#include "../transport/eye.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* m over the diagonal of the box about the scene: nearer gathering points would show what a map blurs. */
+/* m over the diagonal of the box about what is seen: nearer gathering points would show what a map blurs. */
 static const double near_share = 0.01;
 /* The same for lookups: farther photons lie on other surfaces, and a search that finds none ends. */
 static const double radius_share = 0.1;
 
 /* MOST_SENT: photons for each that is to be stored; DEEPER: eye paths, for the light
  * that stays, for each by which maps are looked at */
-enum { IMPORTONS = 200, OUTLIER = 100, MOST_SENT = 64, DEEPER = 32 };
+enum { IMPORTONS = 200, OUTLIER = 100, MOST_SENT = 64, DEEPER = 32, SEEN = 64 }; /* SEEN: paths across and down */
 /* What lookups cost beside photons, and the large maps' beside those of trials: for progress alone. */
 static const double lookup_work = 0.5, deep_work = 0.7;
 
@@ -77,20 +78,26 @@ static pm_status weigh_reference(pm__storage_job *job, pm_error *error)
                           name_of(job->wish->scene));
 }
 
-/* The diagonal of the box about all surfaces, m. */
-static double diagonal_of(const pm__scene *scene)
+/* The diagonal of the box about what the camera sees, m: in a large scene that is what lookups are about. 0: it sees
+ * nothing. */
+static double diagonal_of(const pm__storage_job *job)
 {
     double low[3] = {(double)INFINITY, (double)INFINITY, (double)INFINITY}, square = 0.0;
     double high[3] = {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY};
-    for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
-        const pm__object object = pm__scene_object(scene, i);
-        for (int a = 0; a < 3; a++) {
-            low[a] = fmin(low[a], object.low[a]);
-            high[a] = fmax(high[a], object.high[a]);
+    const double step[2] = {(double)job->result->width / SEEN, (double)job->result->height / SEEN};
+    for (uint64_t i = 0; i < (uint64_t)SEEN * SEEN; i++) {
+        const pm__eye_numbers numbers = pm__eye_numbers_of(job->wish->seed, 0, 0, i);
+        pm__eye eye;
+        pm__eye_through(&eye, job->stage.scene, &job->stage.camera, &numbers, ((double)(i % SEEN) + 0.5) * step[0],
+                        ((double)(i / SEEN) + 0.5) * step[1]);
+        const bool reached = pm__eye_follow(&eye);
+        for (int a = 0; reached && a < 3; a++) {
+            low[a] = fmin(low[a], eye.hit.position[a]);
+            high[a] = fmax(high[a], eye.hit.position[a]);
         }
     }
     for (int a = 0; a < 3; a++)
-        square += (high[a] - low[a]) * (high[a] - low[a]);
+        square += high[a] > low[a] ? (high[a] - low[a]) * (high[a] - low[a]) : 0.0;
     return sqrt(square);
 }
 
@@ -387,8 +394,11 @@ static pm_status prepare(pm__storage_job *job, pm_error *error)
         status = pm__stage_open(job->wish->scene, NULL, r->width, r->height, &job->stage, error);
     if (status != PM_OK)
         return status;
-    r->near = near_share * diagonal_of(job->stage.scene);
-    job->radius = radius_share * diagonal_of(job->stage.scene);
+    const double diagonal = diagonal_of(job);
+    if (!(diagonal > 0.0))
+        return pm__fail(error, PM_EINVAL, "the camera sees no surface of %.40s", name_of(job->wish->scene));
+    r->near = near_share * diagonal;
+    job->radius = radius_share * diagonal;
     job->work = 1.0; /* for the view's progress */
     status = make_importance(job, error);
     const pm__viewing_config viewing = viewing_of(job);
