@@ -35,6 +35,24 @@ typedef struct pm__storage_job {
     double work, done;        /* for progress: about photons and lookups */
 } pm__storage_job;
 
+/* context: the job. */
+static inline bool pm__storage_canceled(void *context)
+{
+    const pm__storage_job *const job = context;
+    return job->wish->canceled && job->wish->canceled(job->wish->context);
+}
+
+/* Photons sent, at most, for each that is to be stored. */
+enum { PM__MOST_SENT = 64 };
+
+/* About what a trial of an item takes, photons and lookups: for progress alone. prepare.c */
+double pm__storage_work(const pm__storage_job *job, const pm__storage_item *item);
+/* How much of it the view takes, over that of all trials. */
+static const double pm__view_work = 0.7;
+
+/* All but the trials; as pm__storage_measure. prepare.c */
+pm_status pm__storage_prepare(pm__storage_job *job, pm_error *error);
+
 /* The largest power within any k-neighbourhood of photons in important places over its median: at every 16th of the
  * photons. NAN where there is none. ENOMEM. spread.c */
 pm_status pm__power_spread(const pm__storage_job *job, pm__map_kind kind, const pm__stored_photons *set,

@@ -1,5 +1,6 @@
 #include "viewing.h"
 
+#include "lights.h"
 #include "points.h"
 
 #include "../base/memory.h"
@@ -15,10 +16,7 @@
 #define VIEWING_SEED 0x76696577ull
 #define LAMP_SEED 0x6c616d70ull
 enum { LARGE_TRIAL = 0x7f000000, MOST_SENT = 16 };
-/* Lamps in the picture: how finely a pixel is searched for their edges, across and down; and paths that see nothing
- * else, of a pixel that has some. */
-enum { SEARCHED = 8, LAMP_PATHS = 1024 };
-static const double least_way = 1e-4; /* of the light: ways through glass that carry less are not looked along */
+enum { LAMP_PATHS = 1024 }; /* of a pixel with a lamp's edge, that see nothing but lamps */
 
 /* One row of cells in one group. */
 typedef struct strip {
@@ -33,6 +31,7 @@ struct pm__viewing {
     strip *strips;              /* [group * down + row] */
     float *base;                /* [group * values + value]: relative errors with large maps */
     float *fixed[PM__MAP_KINDS]; /* likewise, without the large map's light of `samples` paths */
+    pm__lights lights;
     bool *edges;                /* [pixel]: a lamp's edge is in it */
     bool has[PM__MAP_KINDS];
     pm_map *global;             /* large, of the first group */
@@ -61,7 +60,7 @@ static void keep(walking *w, pm_status status)
 static void stand_here(walking *w, pm__eye *eye, uint32_t cell, double share)
 {
     double direct[3] = {0.0, 0.0, 0.0};
-    pm__eye_direct(eye, false, direct);
+    pm__lights_add(&w->viewing->lights, eye, direct);
     for (size_t b = 0; b < 3; b++)
         w->light[3 * (size_t)cell + b] += share * direct[b];
     if (w->large[PM__CAUSTIC_MAP])
@@ -106,43 +105,13 @@ static void follow_path(walking *w, size_t x, size_t y, uint32_t sample)
 
 /* ---- Lamps in the picture ---------------------------------------------------------------------- */
 
-static void add_seen(void *context, const pm__eye *eye, bool reached)
-{
-    double *const seen = context;
-    (void)reached;
-    for (int b = 0; b < 3; b++)
-        seen[b] += eye->emitted[b];
-}
-
-/* What is seen of lamps alone, straight and by every way through mirrors and glass that carries enough. */
-static void look_for_lamps(const pm__viewing_config *c, const size_t pixel[2], const double at[2], double seen[3])
-{
-    const pm__eye_numbers none = pm__eye_numbers_of(0, 0, 0, 0); /* chance is left out */
-    pm__eye eye;
-    seen[0] = seen[1] = seen[2] = 0.0;
-    pm__eye_through(&eye, c->scene, c->camera, &none, (double)pixel[0] + at[0], (double)pixel[1] + at[1]);
-    pm__eye_follow_all(&eye, least_way, add_seen, seen);
-}
-
-static bool has_edge(const pm__viewing_config *c, const size_t pixel[2])
-{
-    double first[3], seen[3];
-    for (int i = 0; i < SEARCHED * SEARCHED; i++) {
-        const double at[2] = {(i % SEARCHED + 0.5) / SEARCHED, (i / SEARCHED + 0.5) / SEARCHED};
-        look_for_lamps(c, pixel, at, i ? seen : first);
-        if (i && memcmp(first, seen, sizeof seen) != 0)
-            return true;
-    }
-    return false;
-}
-
 /* Where on a fixed grid, which no path depends on: what paths see must not decide how it is counted. */
 static void find_edges(void *argument, size_t y)
 {
     pm__viewing *const v = argument;
     const pm__viewing_config *const c = &v->config;
     for (size_t x = 0; x < c->width && !(c->canceled && c->canceled(c->context)); x++)
-        v->edges[y * c->width + x] = has_edge(c, (const size_t[2]){x, y});
+        v->edges[y * c->width + x] = pm__lamps_edge(c->scene, c->camera, x, y);
 }
 
 /* A lamp is so much brighter than all else that the few pixels with its edges would make most of the noise of the whole
@@ -158,7 +127,7 @@ static void see_lamps(walking *w)
         for (uint32_t s = 0; s < LAMP_PATHS && w->viewing->edges[number]; s++) {
             double at[2], seen[3];
             pm__place_in_pixel(seed + ((uint64_t)w->group << 32), number, s, at);
-            look_for_lamps(c, pixel, at, seen);
+            pm__lamps_seen(c->scene, c->camera, (double)pixel[0] + at[0], (double)pixel[1] + at[1], seen);
             for (size_t b = 0; b < 3; b++)
                 w->light[3 * cell + b] += seen[b] * (double)c->deep / LAMP_PATHS;
         }
@@ -351,7 +320,9 @@ static pm_status set_up(const pm__viewing_config *config, pm__viewing *v)
         v->fixed[kind] = pm__alloc_zero(PM__GROUPS * v->values, sizeof *v->fixed[kind]);
         whole = whole && v->fixed[kind];
     }
-    return whole ? PM_OK : PM_ENOMEM;
+    return whole ? pm__lights_choose(config->scene, config->camera, config->width, config->height,
+                                     config->seed ^ LAMP_SEED, &v->lights)
+                 : PM_ENOMEM;
 }
 
 pm_status pm__viewing_create(const pm__viewing_config *config, pm__viewing **viewing, pm_error *error)
@@ -381,6 +352,7 @@ void pm__viewing_destroy(pm__viewing *v)
             pm__points_free(&v->strips[i].points[kind]);
         free(v->fixed[kind]);
     }
+    pm__lights_free(&v->lights);
     free(v->strips);
     free(v->base);
     free(v->edges);

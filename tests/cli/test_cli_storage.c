@@ -243,8 +243,8 @@ END_TEST
 /* A time that is over at once leaves two trials. */
 START_TEST(seconds_end_it)
 {
-    json_t *const root = pm__expect_json("storage torus --spp 4 --photons 500 --paths 2000 --trials 100000 --policy all "
-                                         "--map global --seconds 0.001 --json -");
+    json_t *const root = pm__expect_json("storage torus --spp 4 --photons 500 --paths 2000 --trials 100000 "
+                                         "--policy all --map global --seconds 0.001 --json -");
     ck_assert_double_eq(number_of(at(root, "rows", 0), "trials"), 2.0);
     json_decref(root);
 }

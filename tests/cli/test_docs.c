@@ -118,7 +118,8 @@ START_TEST(fields_are_documented)
     check_fields("converge water --size 4x4 --trials 2 --passes 2 --photons-per-pass 200 --k 5 --at 1,1 --json -",
                  "docs/converge.md");
     check_fields("advise gradient --error 20% --estimator disc:last=none --probes 20 --json -", "docs/advise.md");
-    check_fields("storage torus --spp 4 --photons 500 --trials 2 --paths 1000 --policy all --json -", "docs/storage.md");
+    check_fields("storage torus --spp 4 --photons 500 --trials 2 --paths 1000 --policy all --json -",
+                 "docs/storage.md");
     check_fields("list cases --json -", "docs/list.md");
 }
 END_TEST
