@@ -9,4 +9,5 @@
     X(fractal_cornell)        \
     X(cognac)                 \
     X(torus)                  \
-    X(lamp)
+    X(lamp)                   \
+    X(maze)

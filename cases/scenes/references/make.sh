@@ -13,10 +13,10 @@ for scene in "$@"; do
     name=$(echo "$scene" | tr - _)
     case $scene in
     torus | lamp) size=32x32 spp=524288 ;;
-    egg) size=64x64 spp=131072 ;;
-    office) size=64x64 spp=32768 ;;
-    maze) size=64x64 spp=4096 ;;
-    wide-floor) size=64x64 spp=524288 ;;
+    egg) size=32x32 spp=131072 ;;
+    office) size=64x64 spp=8192 ;;
+    maze) size=64x64 spp=2048 ;;
+    wide-floor) size=32x32 spp=262144 ;;
     *) size=128x128 spp=4096 ;;
     esac
     "$program" render "$scene" --method path --size $size --spp $spp --trials 1 --seed 2002 --aov --half --quiet \
