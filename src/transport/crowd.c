@@ -7,14 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NO_CELL UINT32_MAX
+/* Bits of a cell's coordinate in its key. Coordinates wrap: cells that share a key are far apart, and a photon's
+ * distance tells. */
+enum { BITS = 18 };
 
-/* Slots of a cell's first room, bits of a cell's coordinate in its key. Coordinates
- * wrap: cells that share a key are far apart, and a photon's distance tells. */
-enum { FIRST_ROOM = 4, BITS = 18 };
+/* Cells of a region's edge, as bits. */
+enum { REGION_BITS = 2, REGION_EDGE = 1 << REGION_BITS };
 
-/* Counters of fresh photons; cells of a block's edge, as bits. */
-enum { COUNTERS = 1 << 14, BLOCK_BITS = 2 };
+/* Counters of fresh photons. */
+enum { COUNTERS = 1 << 18 };
 
 pm_status pm__crowd_init(pm__crowd *crowd, double edge, bool one_reach)
 {
@@ -27,11 +28,8 @@ pm_status pm__crowd_init(pm__crowd *crowd, double edge, bool one_reach)
 void pm__crowd_free(pm__crowd *crowd)
 {
     free(crowd->cells);
-    free(crowd->table);
-    for (int a = 0; a < 3; a++)
-        free(crowd->at[a]);
-    free(crowd->ids);
-    free(crowd->tags);
+    free(crowd->regions);
+    free(crowd->blocks);
     free(crowd->fresh);
     *crowd = (pm__crowd){0};
 }
@@ -98,15 +96,34 @@ pm__crowd_place pm__crowd_place_of(const pm__crowd *crowd, const float position[
     return place_at(crowd, position, level_of(crowd, reach, &fill));
 }
 
-static uint32_t find_cell(const pm__crowd *crowd, uint64_t key)
+/* Its place in the table; that of a free one if it is not there. The table must have one. */
+static size_t find_region(const pm__crowd *crowd, uint64_t key)
 {
-    if (!crowd->table_size)
-        return NO_CELL;
-    for (size_t i = hash(key);; i++) {
-        const uint32_t cell = crowd->table[i & (crowd->table_size - 1)];
-        if (cell == NO_CELL || crowd->cells[cell].key == key)
-            return cell;
+    size_t i = hash(key) & (crowd->table_size - 1);
+    while (crowd->regions[i].key && crowd->regions[i].key != key)
+        i = (i + 1) & (crowd->table_size - 1);
+    return i;
+}
+
+/* Cells of a region, as bits: z runs fastest. */
+static uint64_t cells_between(const int64_t region[3], const int64_t from[3], const int64_t to[3])
+{
+    static const uint64_t slices[3] = {0xffff, 0x000f000f000f000f, 0x1111111111111111};
+    static const unsigned strides[3] = {16, 4, 1};
+    uint64_t all = UINT64_MAX;
+    for (int a = 0; a < 3; a++) {
+        const int64_t first = from[a] - (region[a] << REGION_BITS), last = to[a] - (region[a] << REGION_BITS);
+        uint64_t some = 0;
+        for (int64_t i = first > 0 ? first : 0; i <= last && i < REGION_EDGE; i++)
+            some |= slices[a] << (strides[a] * (unsigned)i);
+        all &= some;
     }
+    return all;
+}
+
+static uint32_t cell_at(const pm__crowd_region *region, uint64_t bit)
+{
+    return region->first + (uint32_t)__builtin_popcountll(region->filled & (bit - 1));
 }
 
 /* ---- Hoods -------------------------------------------------------------------------------------- */
@@ -124,25 +141,22 @@ static pm_status enlarge_hood(pm__crowd_hood *hood, size_t wanted)
     return PM_OK;
 }
 
-/* Of so few words a call would be most of the cost: by fours, to where there is room for more than are wanted. */
-static inline void copy(void *to, const void *from, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i += 4)
-        memcpy((char *)to + 4 * (size_t)i, (const char *)from + 4 * (size_t)i, 16);
-}
-
 static pm_status add_to_hood(const pm__crowd *crowd, const pm__crowd_cell *cell, pm__crowd_hood *hood)
 {
     const size_t wanted = hood->count + cell->count + PM__CROWD_SPARE;
+    uint32_t differ = 0;
     if (wanted > hood->room && enlarge_hood(hood, wanted))
         return PM_ENOMEM;
-    for (int a = 0; a < 3; a++)
-        copy(hood->at[a] + hood->count, crowd->at[a] + cell->first, cell->count);
-    copy(hood->ids + hood->count, crowd->ids + cell->first, cell->count);
-    copy(hood->tags + hood->count, crowd->tags + cell->first, cell->count);
-    uint32_t differ = 0;
-    for (uint32_t i = 0; i < cell->count; i++)
-        differ |= hood->tags[hood->count + i] ^ hood->tags[0];
+    for (uint32_t i = 0; i < cell->count; i += PM__CROWD_BLOCK) {
+        const pm__crowd_block *const block = &crowd->blocks[cell->first + i / PM__CROWD_BLOCK];
+        const size_t to = hood->count + i;
+        for (int a = 0; a < 3; a++)
+            memcpy(hood->at[a] + to, block->at[a], sizeof block->at[a]);
+        memcpy(hood->ids + to, block->ids, sizeof block->ids);
+        memcpy(hood->tags + to, block->tags, sizeof block->tags);
+        for (uint32_t lane = 0; lane < PM__CROWD_BLOCK && i + lane < cell->count; lane++)
+            differ |= block->tags[lane] ^ hood->tags[0];
+    }
     hood->alike = hood->alike && !differ;
     hood->count += cell->count;
     return PM_OK;
@@ -155,11 +169,24 @@ static void pad_hood(pm__crowd_hood *hood)
         hood->at[0][i] = hood->at[1][i] = hood->at[2][i] = INFINITY;
 }
 
+static pm_status gather_region(const pm__crowd *crowd, int level, const int64_t at[3], const int64_t from[3],
+                               const int64_t to[3], pm__crowd_hood *hood)
+{
+    if (!crowd->table_size)
+        return PM_OK;
+    const pm__crowd_region *const region = &crowd->regions[find_region(crowd, key_of(at, level))];
+    uint64_t left = region->filled & cells_between(at, from, to);
+    for (; left; left &= left - 1)
+        if (add_to_hood(crowd, &crowd->cells[cell_at(region, left & (0 - left))], hood))
+            return PM_ENOMEM;
+    return PM_OK;
+}
+
 pm_status pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place, const double low[3],
                            const double high[3], pm__crowd_hood *hood)
 {
     const double inverse_edge = crowd->inverse_edge[place->level];
-    int64_t from[3], to[3], cell[3];
+    int64_t from[3], to[3], low_region[3], high_region[3], at[3];
     hood->count = 0;
     hood->alike = true;
     for (int a = 0; a < 3; a++) {
@@ -167,13 +194,15 @@ pm_status pm__crowd_gather(const pm__crowd *crowd, const pm__crowd_place *place,
         from[a] = first < place->cell[a] - 1 ? place->cell[a] - 1 : first;
         to[a] = last > place->cell[a] + 1 ? place->cell[a] + 1 : last;
     }
-    for (cell[0] = from[0]; cell[0] <= to[0]; cell[0]++)
-        for (cell[1] = from[1]; cell[1] <= to[1]; cell[1]++)
-            for (cell[2] = from[2]; cell[2] <= to[2]; cell[2]++) {
-                const uint32_t found = find_cell(crowd, key_of(cell, place->level));
-                if (found != NO_CELL && add_to_hood(crowd, &crowd->cells[found], hood))
+    for (int a = 0; a < 3; a++) {
+        low_region[a] = from[a] >> REGION_BITS;
+        high_region[a] = to[a] >> REGION_BITS;
+    }
+    for (at[0] = low_region[0]; at[0] <= high_region[0]; at[0]++)
+        for (at[1] = low_region[1]; at[1] <= high_region[1]; at[1]++)
+            for (at[2] = low_region[2]; at[2] <= high_region[2]; at[2]++)
+                if (gather_region(crowd, place->level, at, from, to, hood))
                     return PM_ENOMEM;
-            }
     pad_hood(hood);
     return PM_OK;
 }
@@ -207,105 +236,110 @@ void pm__crowd_found_free(pm__crowd_found *found)
 
 /* ---- Growing ------------------------------------------------------------------------------------ */
 
-static void enter(pm__crowd *crowd, uint32_t cell)
-{
-    size_t i = hash(crowd->cells[cell].key);
-    while (crowd->table[i & (crowd->table_size - 1)] != NO_CELL)
-        i++;
-    crowd->table[i & (crowd->table_size - 1)] = cell;
-}
-
-/* Twice as large as the cells are many, at least. */
+/* Twice as large as the regions are many, at least. */
 static pm_status enlarge_table(pm__crowd *crowd)
 {
-    const size_t size = crowd->table_size ? 2 * crowd->table_size : 1024;
-    uint32_t *const table = malloc(size * sizeof *table);
+    const pm__crowd_region *const old = crowd->regions;
+    const size_t before = crowd->table_size, size = before ? 2 * before : 1024;
+    pm__crowd_region *const table = calloc(size, sizeof *table);
     if (!table)
         return PM_ENOMEM;
-    free(crowd->table);
-    crowd->table = table;
+    crowd->regions = table;
     crowd->table_size = size;
-    memset(table, 0xff, size * sizeof *table);
-    for (size_t i = 0; i < crowd->cell_count; i++)
-        enter(crowd, (uint32_t)i);
+    for (size_t i = 0; i < before; i++)
+        if (old[i].key)
+            table[find_region(crowd, old[i].key)] = old[i];
+    free((void *)(uintptr_t)old);
     return PM_OK;
 }
 
-static pm_status add_cell(pm__crowd *crowd, uint64_t key, uint32_t *cell)
+static pm_status find_or_add_region(pm__crowd *crowd, uint64_t key, pm__crowd_region **region)
 {
-    if (2 * (crowd->cell_count + 1) > crowd->table_size && enlarge_table(crowd))
+    if (2 * (crowd->region_count + 1) > crowd->table_size && enlarge_table(crowd))
         return PM_ENOMEM;
-    if (crowd->cell_count == NO_CELL ||
-        pm__grow((void **)&crowd->cells, &crowd->cell_room, crowd->cell_count + 1, sizeof *crowd->cells))
-        return PM_ENOMEM;
-    *cell = (uint32_t)crowd->cell_count++;
-    crowd->cells[*cell] = (pm__crowd_cell){.key = key};
-    enter(crowd, *cell);
+    *region = &crowd->regions[find_region(crowd, key)];
+    crowd->region_count += !(*region)->key;
+    (*region)->key = key;
     return PM_OK;
 }
 
-static pm_status reserve_slots(pm__crowd *crowd, size_t more)
+/* Moves a region's cells to where there is room for twice as many. */
+static pm_status enlarge_region(pm__crowd *crowd, pm__crowd_region *region)
 {
-    const size_t wanted = crowd->used + more + FIRST_ROOM; /* may be read beyond */
-    size_t rooms[5] = {crowd->room, crowd->room, crowd->room, crowd->room, crowd->room};
-    if (wanted > UINT32_MAX)
+    const uint32_t room = region->room ? 2 * region->room : 1;
+    if (crowd->cell_count + room > UINT32_MAX ||
+        (crowd->cell_count + room > crowd->cell_room &&
+         pm__grow((void **)&crowd->cells, &crowd->cell_room, crowd->cell_count + room, sizeof *crowd->cells)))
         return PM_ENOMEM;
-    for (int a = 0; a < 3; a++)
-        if (pm__grow((void **)&crowd->at[a], &rooms[a], wanted, sizeof *crowd->at[a]))
-            return PM_ENOMEM;
-    if (pm__grow((void **)&crowd->ids, &rooms[3], wanted, sizeof *crowd->ids) ||
-        pm__grow((void **)&crowd->tags, &rooms[4], wanted, sizeof *crowd->tags))
+    if (region->room)
+        memcpy(crowd->cells + crowd->cell_count, crowd->cells + region->first, region->room * sizeof *crowd->cells);
+    region->first = (uint32_t)crowd->cell_count;
+    region->room = room;
+    crowd->cell_count += room;
+    return PM_OK;
+}
+
+static pm_status find_or_add_cell(pm__crowd *crowd, pm__crowd_region *region, uint64_t bit, pm__crowd_cell **cell)
+{
+    const uint32_t filled = (uint32_t)__builtin_popcountll(region->filled);
+    const bool is_new = !(region->filled & bit);
+    if (is_new && filled == region->room && enlarge_region(crowd, region))
         return PM_ENOMEM;
-    crowd->room = rooms[3];
+    const uint32_t at = cell_at(region, bit);
+    *cell = &crowd->cells[at];
+    if (!is_new)
+        return PM_OK;
+    memmove(*cell + 1, *cell, (region->first + filled - at) * sizeof **cell);
+    **cell = (pm__crowd_cell){0, 0, 0};
+    region->filled |= bit;
     return PM_OK;
 }
 
 /* Moves a full cell to twice the room at the end; what it had before is given up. */
 static pm_status enlarge_cell(pm__crowd *crowd, pm__crowd_cell *cell)
 {
-    const uint32_t room = cell->room ? 2 * cell->room : FIRST_ROOM;
-    const pm_status status = reserve_slots(crowd, room);
-    if (status != PM_OK)
-        return status;
-    for (int a = 0; a < 3 && cell->count; a++)
-        memcpy(crowd->at[a] + crowd->used, crowd->at[a] + cell->first, cell->count * sizeof *crowd->at[a]);
-    if (cell->count) {
-        memcpy(crowd->ids + crowd->used, crowd->ids + cell->first, cell->count * sizeof *crowd->ids);
-        memcpy(crowd->tags + crowd->used, crowd->tags + cell->first, cell->count * sizeof *crowd->tags);
-    }
+    const uint32_t room = cell->room ? 2 * cell->room : 1;
+    if (crowd->used + room > UINT32_MAX)
+        return PM_ENOMEM;
+    if (crowd->used + room > crowd->room &&
+        pm__grow((void **)&crowd->blocks, &crowd->room, crowd->used + room, sizeof *crowd->blocks))
+        return PM_ENOMEM;
+    if (cell->room)
+        memcpy(crowd->blocks + crowd->used, crowd->blocks + cell->first, cell->room * sizeof *crowd->blocks);
+    memset(crowd->blocks + crowd->used + cell->room, 0, (room - cell->room) * sizeof *crowd->blocks);
     cell->first = (uint32_t)crowd->used;
     cell->room = room;
     crowd->used += room;
     return PM_OK;
 }
 
-static size_t counter_of(const int64_t block[3], int level)
+static size_t counter_of(const int64_t region[3], int level)
 {
-    return hash(key_of(block, level)) % COUNTERS;
+    return hash(key_of(region, level)) % COUNTERS;
 }
 
-/* In every block that has a cell next to it. */
+/* In every region that has a cell next to it. */
 static void count_fresh(pm__crowd *crowd, const pm__crowd_place *place)
 {
-    int64_t from[3], to[3], block[3];
+    int64_t from[3], to[3], region[3];
     for (int a = 0; a < 3; a++) {
-        from[a] = (place->cell[a] - 1) >> BLOCK_BITS;
-        to[a] = (place->cell[a] + 1) >> BLOCK_BITS;
+        from[a] = (place->cell[a] - 1) >> REGION_BITS;
+        to[a] = (place->cell[a] + 1) >> REGION_BITS;
     }
-    for (block[0] = from[0]; block[0] <= to[0]; block[0]++)
-        for (block[1] = from[1]; block[1] <= to[1]; block[1]++)
-            for (block[2] = from[2]; block[2] <= to[2]; block[2]++) {
-                uint16_t *const counter = &crowd->fresh[counter_of(block, place->level)];
+    for (region[0] = from[0]; region[0] <= to[0]; region[0]++)
+        for (region[1] = from[1]; region[1] <= to[1]; region[1]++)
+            for (region[2] = from[2]; region[2] <= to[2]; region[2]++) {
+                uint16_t *const counter = &crowd->fresh[counter_of(region, place->level)];
                 *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
             }
 }
 
 unsigned pm__crowd_fresh(const pm__crowd *crowd, const pm__crowd_place *place)
 {
-    int64_t block[3];
+    int64_t region[3];
     for (int a = 0; a < 3; a++)
-        block[a] = place->cell[a] >> BLOCK_BITS;
-    return crowd->fresh[counter_of(block, place->level)];
+        region[a] = place->cell[a] >> REGION_BITS;
+    return crowd->fresh[counter_of(region, place->level)];
 }
 
 void pm__crowd_settle(pm__crowd *crowd)
@@ -316,20 +350,24 @@ void pm__crowd_settle(pm__crowd *crowd)
 static pm_status add_at(pm__crowd *crowd, const float position[3], int level, uint32_t id, uint32_t tag)
 {
     const pm__crowd_place place = place_at(crowd, position, level);
-    uint32_t number = find_cell(crowd, place.key);
-    pm_status status = number == NO_CELL ? add_cell(crowd, place.key, &number) : PM_OK;
-    if (status != PM_OK)
-        return status;
-    pm__crowd_cell *const cell = &crowd->cells[number];
-    if (cell->count == cell->room)
+    int64_t at[3];
+    pm__crowd_region *region;
+    pm__crowd_cell *cell;
+    for (int a = 0; a < 3; a++)
+        at[a] = place.cell[a] >> REGION_BITS;
+    pm_status status = find_or_add_region(crowd, key_of(at, level), &region);
+    if (status == PM_OK)
+        status = find_or_add_cell(crowd, region, cells_between(at, place.cell, place.cell), &cell);
+    if (status == PM_OK && cell->count == PM__CROWD_BLOCK * cell->room)
         status = enlarge_cell(crowd, cell);
     if (status != PM_OK)
         return status;
-    const size_t slot = cell->first + cell->count++;
+    const uint32_t lane = cell->count % PM__CROWD_BLOCK;
+    pm__crowd_block *const block = &crowd->blocks[cell->first + cell->count++ / PM__CROWD_BLOCK];
     for (int a = 0; a < 3; a++)
-        crowd->at[a][slot] = position[a];
-    crowd->ids[slot] = id;
-    crowd->tags[slot] = tag;
+        block->at[a][lane] = position[a];
+    block->ids[lane] = id;
+    block->tags[lane] = tag;
     count_fresh(crowd, &place);
     return PM_OK;
 }

@@ -1,6 +1,6 @@
 /* Stored photons by place, to be searched while they grow more: which lie within a distance that is known beforehand?
  *
- * A hash of cubic cells at levels of edges that double. A photon stands at the level of its own reach, the smallest
+ * Cubic cells, hashed by regions of 64, at levels of edges that double. A photon stands at the level of its own reach, the smallest
  * whose edge is no less, and at the neighbouring level that its reach is nearer to; a search looks at the level of its
  * own reach alone. So it sees photons whose reach is between 0.35 and 1.4 edges, about its own, in at most 27 cells,
  * and where reaches jump those on either side do not see each other. */
@@ -9,25 +9,37 @@
 
 #include "../photonmap.h"
 
-/* Slots first .. first + count - 1 are its photons', as they came; room: slots that it may fill. */
+/* Four photons: where they are, m, what the caller calls them, and marks them with. */
+enum { PM__CROWD_BLOCK = 4 };
+typedef struct pm__crowd_block {
+    float at[3][PM__CROWD_BLOCK];
+    uint32_t ids[PM__CROWD_BLOCK], tags[PM__CROWD_BLOCK];
+} pm__crowd_block;
+
+/* Its photons, as they came, fill blocks from `first` on; room: blocks that it may fill. */
 typedef struct pm__crowd_cell {
-    uint64_t key;
     uint32_t first, count, room;
 } pm__crowd_cell;
+
+/* 4 x 4 x 4 cells. Those that have photons are bits of `filled`, and stand in that order from `first` on; room: so many
+ * may. */
+typedef struct pm__crowd_region {
+    uint64_t key, filled;
+    uint32_t first, room;
+} pm__crowd_region;
 
 enum { PM__CROWD_LEVELS = 128, PM__CROWD_MIDDLE = PM__CROWD_LEVELS / 2 };
 
 typedef struct pm__crowd {
     double inverse_edge[PM__CROWD_LEVELS]; /* 1/m */
     bool one_reach; /* all photons have the same: they stand at its level alone */
+    pm__crowd_region *regions; /* by key, open addressing; key 0: free */
+    size_t region_count, table_size; /* the latter a power of two */
     pm__crowd_cell *cells;
     size_t cell_count, cell_room;
-    uint32_t *table;      /* of cells by key, open addressing; NO_CELL: free */
-    size_t table_size;    /* a power of two */
-    float *at[3];         /* of slots, m */
-    uint32_t *ids, *tags; /* of slots: what the caller calls the photon, and marks it with */
-    size_t used, room;    /* slots */
-    uint16_t *fresh;      /* photons added of late, by a hash of blocks of cells */
+    pm__crowd_block *blocks;
+    size_t used, room;         /* blocks */
+    uint16_t *fresh;           /* photons added of late, by a hash of regions */
 } pm__crowd;
 
 /* Where a search begins. */

@@ -36,7 +36,7 @@ typedef struct pm__seeker {
 } pm__seeker;
 
 typedef struct pm__order {
-    uint32_t hash, arrival;
+    uint32_t code, arrival;
 } pm__order;
 
 /* What a stored photon is given by the arrivals of one cell. */

@@ -53,6 +53,23 @@ static double global_at(const pm_map *map, const float position[3], const float 
     return sum / (pi * (double)near[count - 1].distance2 * unit * unit);
 }
 
+/* The last ten bits, two places between each. */
+static uint32_t spread(int64_t coordinate)
+{
+    uint32_t bits = (uint32_t)coordinate & 0x3ff;
+    bits = (bits | bits << 16) & 0x030000ff;
+    bits = (bits | bits << 8) & 0x0300f00f;
+    bits = (bits | bits << 4) & 0x030c30c3;
+    return (bits | bits << 2) & 0x09249249;
+}
+
+/* Its place along a Morton curve, so that cells which share neighbours come one after the other. */
+static uint32_t code_of(const pm__crowd_place *place)
+{
+    return (uint32_t)place->level << 30 | spread(place->cell[0]) << 2 | spread(place->cell[1]) << 1 |
+           spread(place->cell[2]);
+}
+
 static void prepare_piece(void *argument, size_t piece)
 {
     const pm__density *const d = argument;
@@ -65,27 +82,29 @@ static void prepare_piece(void *argument, size_t piece)
         const double reach = pm__density_reach(rule, required(rule, importance));
         pm__arrival *const to = &d->arrivals[i];
         to->reach = (float)reach;
-        to->key = pm__crowd_place_of(&d->crowd, position, pm__density_searched(rule, (double)to->reach)).key;
+        const pm__crowd_place place =
+            pm__crowd_place_of(&d->crowd, position, pm__density_searched(rule, (double)to->reach));
+        to->key = place.key;
         to->global = rule->power ? (float)global_at(d->storage->config->global, position, d->all->normals[at]) : 0.0f;
-        d->sorted[i] = (pm__order){(uint32_t)(to->key * 0x9e3779b97f4a7c15u >> 42), (uint32_t)i};
+        d->sorted[i] = (pm__order){code_of(&place), (uint32_t)i};
     }
 }
 
-/* By a hash of their cells, then by their own order. */
+/* By the codes of their cells, then by their own order. */
 static void sort(pm__density *d)
 {
     enum { BITS = 11 };
-    for (unsigned shift = 0; shift < 2 * BITS; shift += BITS) {
+    for (unsigned shift = 0; shift < 3 * BITS; shift += BITS) {
         uint32_t starts[1 << BITS] = {0}, sum = 0;
         for (size_t i = 0; i < d->count; i++)
-            starts[d->sorted[i].hash >> shift & ((1 << BITS) - 1)]++;
+            starts[d->sorted[i].code >> shift & ((1 << BITS) - 1)]++;
         for (size_t b = 0; b < 1 << BITS; b++) {
             const uint32_t own = starts[b];
             starts[b] = sum;
             sum += own;
         }
         for (size_t i = 0; i < d->count; i++)
-            d->spare[starts[d->sorted[i].hash >> shift & ((1 << BITS) - 1)]++] = d->sorted[i];
+            d->spare[starts[d->sorted[i].code >> shift & ((1 << BITS) - 1)]++] = d->sorted[i];
         pm__order *const swapped = d->sorted;
         d->sorted = d->spare;
         d->spare = swapped;

@@ -1,6 +1,6 @@
-/* A batch of arrivals at a time: all are decided against what is stored when it begins; then in the order of their paths
- * those that are to be stored are, after a second look where others have been stored nearby meanwhile: so no place gets
- * more than it would one by one. What the others give is handed out at the end. */
+/* A batch of arrivals at a time: all are decided against what is stored when it begins; then those that are to be
+ * stored are, in the order of their paths, after a second look where others have been stored nearby meanwhile: so no
+ * place gets more than it would one by one. What the others give is handed out at the end. */
 #include "keep_density.h"
 
 #include "../base/memory.h"
@@ -9,8 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Arrivals of a batch, about. */
-enum { BATCH = 1 << 17 };
+/* Arrivals of a batch, about: so many at most, and at least; and so many that of those stored when it ends it stored
+ * one in so many, to judge by the last one. Then few have to be looked at again. */
+enum { MOST = 1 << 17, LEAST = 1 << 12, SHARE_STORED = 8 };
 
 /* Required density is at most so many times that at mean importance. */
 static const double ceiling = 100.0;
@@ -25,6 +26,7 @@ typedef struct keeper {
     pm__density density;
     tally *tallies;
     size_t tally_count, tally_room;
+    double rate; /* of arrivals of the last batch, stored */
 } keeper;
 
 /* ---- What is required --------------------------------------------------------------------------- */
@@ -91,7 +93,8 @@ static pm_status store(pm__density *d, size_t i)
     pm__stock_add(stock, photon, d->all->normals[at], d->all->part[at]);
     for (int b = 0; b < 3; b++)
         d->powers[id][b] = (double)photon->power[b];
-    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, pm__density_tag(d->all->normals[at], d->all->part[at]));
+    const uint32_t tag = pm__density_tag(d->all->normals[at], d->all->part[at]);
+    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, tag);
 }
 
 static pm_status settle_one(pm__density *d, size_t i, pm__searcher *with)
@@ -229,6 +232,12 @@ static pm_status run_batch(keeper *k, bool *ended)
     return count_up(k);
 }
 
+static size_t batch_size(const keeper *k)
+{
+    const double stored = (double)k->density.storage->stock.count;
+    return (size_t)fmax((double)LEAST, fmin(stored / SHARE_STORED / fmax(k->rate, 1e-3), (double)MOST));
+}
+
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
     keeper *const k = storage->own;
@@ -238,8 +247,10 @@ static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t
     d->all = arrivals;
     for (*taken = 0; *taken < arrivals->count && status == PM_OK && !ended;) {
         d->begin = *taken;
-        d->count = batch_end(arrivals, *taken, BATCH) - *taken;
+        d->count = batch_end(arrivals, *taken, batch_size(k)) - *taken;
+        const size_t before = storage->stock.count;
         status = run_batch(k, &ended);
+        k->rate = status == PM_OK ? (double)(storage->stock.count - before) / (double)d->count : 0.0;
         if (!ended || pm__path_is_first(arrivals, d->begin))
             *taken += d->count;
     }

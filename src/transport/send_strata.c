@@ -150,7 +150,8 @@ static pm_status plan(pm__storage *s, void (*share)(pm__storage *s, const trial 
 {
     trial t = {.importance = NULL};
     pm__sender *const sender = s->sender = pm__alloc_zero(1, sizeof *s->sender);
-    const size_t per_light = (size_t)pm__policy_value(s, "strata", 1.0), tests = (size_t)pm__policy_value(s, "tests", 1.0);
+    const size_t per_light = (size_t)pm__policy_value(s, "strata", 1.0);
+    const size_t tests = (size_t)pm__policy_value(s, "tests", 1.0);
     if (!sender || pm__strata_create(&s->emission, per_light, tests, &sender->strata))
         return PM_ENOMEM;
     s->emission.strata = &sender->strata;

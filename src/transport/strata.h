@@ -1,9 +1,9 @@
 /* Emission by strata: cells of the numbers that a light's photons are emitted by (of those that go where photons are
  * aimed), all of a light with the same power. Which stratum a photon is of follows from its number.
  *
- * Trial photons, numbers from PM__MOST_TRACED on: so many of each stratum in turn. Others: stratum s with the share that
- * it is given, where a van der Corput sequence, shifted by chance, comes to lie in [0, 1): so the first n photons have
- * about n times the share of each stratum for any n, on average exactly, and sending may end anywhere. */
+ * Trial photons, numbers from PM__MOST_TRACED on: so many of each stratum in turn. Others: a stratum has the part of
+ * [0, 1) that is its share, and a van der Corput sequence, shifted by chance, says whose turn it is: so the first n
+ * photons have about n times the share of each stratum for any n, on average exactly, and sending may end anywhere. */
 #ifndef PM_TRANSPORT_STRATA_H
 #define PM_TRANSPORT_STRATA_H
 
