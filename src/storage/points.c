@@ -117,7 +117,7 @@ static pm_status estimate(const desk *d, const pm__point *point, const pm_query 
 
 static pm_status look_some(const desk *d, size_t first, size_t count)
 {
-    pm_query queries[AT_ONCE];
+    pm_query queries[AT_ONCE] = {{.k = 0}}; /* gcc does not see that all that are looked up are set */
     size_t found[AT_ONCE];
     for (size_t i = 0; i < count; i++)
         queries[i] = pm__points_query(d->list->items[first + i].position, d->list->items[first + i].normal, d->looking);
