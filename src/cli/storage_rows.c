@@ -50,15 +50,16 @@
     X(scene, text(from->scene))                                                 \
     X(policy, text(from->policy))                                               \
     X(map, text(from->map))                                                     \
-    X(rel_added, number(front->rel_added))                                      \
+    X(measure, text(front->whole ? "rmse" : "added"))                           \
+    X(rel_error, number(front->rel_error))                                      \
     X(stored_ratio, number(front->stored_ratio))                                \
     X(stored_ratio_ci95, interval(front->stored_ci95))                          \
     X(trace_ratio, number(front->trace_ratio))                                  \
     X(trace_ratio_ci95, interval(front->trace_ci95))                            \
     X(time_ratio, number(front->time_ratio))                                    \
     X(time_ratio_ci95, interval(front->time_ci95))                              \
-    X(stored_front, pairs(from, front->stored_front, front->stored_count, false)) \
-    X(time_front, pairs(from, front->time_front, front->time_count, true))      \
+    X(stored_front, pairs(from, front, false)) \
+    X(time_front, pairs(from, front, true))      \
     X(status, text(isfinite(front->stored_ratio) ? "ok" : "incomparable"))      \
     X(detail, text(*front->detail ? front->detail : NULL))
 
@@ -100,13 +101,16 @@ static pm__cell count(size_t value)
     return value ? pm__count_cell(value) : absent;
 }
 
-/* [[cost, rel_added], ...] */
-static pm__cell pairs(const source *from, const size_t *rows, size_t row_count, bool time)
+/* [[cost, error], ...] */
+static pm__cell pairs(const source *from, const pm__storage_front *front, bool time)
 {
+    const size_t *const rows = time ? front->time_front : front->stored_front;
+    const size_t row_count = time ? front->time_count : front->stored_count;
     json_t *const list = json_array();
     for (size_t i = 0; i < row_count; i++) {
         const pm__storage_row *const row = &from->scene_item->result.rows[rows[i]];
-        (void)json_array_append_new(list, json_pack("[f, f]", time ? row->total_s : row->stored, row->error.added));
+        (void)json_array_append_new(list, json_pack("[f, f]", time ? row->total_s : row->stored,
+                                                    front->whole ? row->error.rmse : row->error.added));
     }
     return (pm__cell){.type = PM__TREE, .tree = list};
 }

@@ -124,7 +124,7 @@ static void print_front(FILE *file, const pm__storage_front *front)
         pm__wrap(file, front->detail, 28, 28);
         return;
     }
-    pm__table_number(file, 6, 100.0 * front->rel_added, 0);
+    pm__table_number(file, 6, 100.0 * front->rel_error, 0);
     print_ratio(file, front->stored_ratio, front->stored_ci95);
     print_ratio(file, front->trace_ratio, front->trace_ci95);
     print_ratio(file, front->time_ratio, front->time_ci95);
@@ -146,12 +146,13 @@ static void print_fronts(FILE *file, const pm__storage_result *r, bool colourful
     }
     if (any && r->front_count > 1) {
         qsort(order, r->front_count, sizeof(const pm__storage_front *), by_ratio);
-        (void)fprintf(file, "  %sat equal error `all` needs so many times as much%s\n%22sadded  stored"
+        (void)fprintf(file, "  %sat equal error `all` needs so many times as much%s\n%22serror  stored"
                             "  95 %% interv.  tracing  95 %% interv.   in all  95 %% interv.\n",
                       colourful ? "\033[1m" : "", colourful ? "\033[0m" : "", "");
         for (size_t i = 0; i < r->front_count; i++) {
             if (!i || order[i]->map != order[i - 1]->map)
-                (void)fprintf(file, "    %s map\n", pm__map_names[order[i]->map]);
+                (void)fprintf(file, "    %s map, by %s\n", pm__map_names[order[i]->map],
+                              order[i]->whole ? "rmse" : "what is added");
             if (!is_all(order[i]->policy))
                 print_front(file, order[i]);
         }

@@ -68,6 +68,7 @@ typedef enum cost { STORED, TRACE, TIME, COSTS } cost;
 typedef struct span {
     const pm__storage_item *items;
     size_t count, row, trials;
+    bool whole;           /* errors are those of the whole image */
     const double **lists; /* [cost + 1][count], the errors last */
 } span;
 
@@ -76,16 +77,16 @@ static bool is_shown(const pm__storage_item *item)
     return !item->hidden && item->row.trials >= 2;
 }
 
-static pm_status list_span(const pm__storage_item *items, size_t count, size_t row, span *s)
+static pm_status list_span(const pm__storage_item *items, size_t count, size_t row, bool whole, span *s)
 {
-    *s = (span){items, count, row, SIZE_MAX, pm__alloc((COSTS + 1) * count, sizeof *s->lists)};
+    *s = (span){items, count, row, SIZE_MAX, whole, pm__alloc((COSTS + 1) * count, sizeof *s->lists)};
     if (!s->lists)
         return PM_ENOMEM;
     for (size_t i = 0; i < count; i++) {
         s->lists[STORED * count + i] = items[i].stored;
         s->lists[TRACE * count + i] = items[i].trace_s;
         s->lists[TIME * count + i] = items[i].total_s;
-        s->lists[COSTS * count + i] = items[i].tally.added;
+        s->lists[COSTS * count + i] = whole ? items[i].tally.square : items[i].tally.added;
         s->trials = items[i].row.trials < s->trials ? items[i].row.trials : s->trials;
     }
     return PM_OK;
@@ -109,7 +110,8 @@ static void compare(const span *mine, const span *all, pm__storage_front *front)
         *intervals[c] = equal.ci95;
         if (c == STORED && equal.at != SIZE_MAX) {
             front->row = mine->row + equal.at;
-            front->rel_added = mine->items[equal.at].row.error.added;
+            const pm__view_error *const error = &mine->items[equal.at].row.error;
+            front->rel_error = front->whole ? error->rmse : error->added;
         }
         if (equal.why)
             (void)snprintf(front->detail, sizeof front->detail, "%s", equal.why);
@@ -132,7 +134,8 @@ static pm_status fill_front(const span *mine, const span *all, pm__storage_front
 {
     const pm__interval none = {(double)NAN, (double)NAN};
     *front = (pm__storage_front){.policy = mine->items->row.policy, .map = mine->items->row.map, .row = SIZE_MAX,
-                                 .rel_added = (double)NAN, .stored_ratio = (double)NAN, .trace_ratio = (double)NAN,
+                                 .rel_error = (double)NAN, .whole = mine->whole, .stored_ratio = (double)NAN,
+                                 .trace_ratio = (double)NAN,
                                  .time_ratio = (double)NAN, .stored_ci95 = none, .trace_ci95 = none,
                                  .time_ci95 = none};
     if (all)
@@ -163,21 +166,36 @@ static bool all_shown(const pm__storage_job *job, size_t first, size_t count)
 }
 
 /* That of `all`, all 0 where there is none. */
-static pm_status find_all(const pm__storage_job *job, pm__map_kind kind, span *all)
+static pm_status find_all(const pm__storage_job *job, pm__map_kind kind, bool whole, span *all)
 {
     *all = (span){0};
     for (size_t i = 0, count; i < job->item_count && !job->items[i].hidden; i += count) {
         count = run_length(job, i);
         const pm__storage_row *const row = &job->items[i].row;
         if (row->map == kind && strcmp(row->policy->entry->name, "all") == 0 && all_shown(job, i, count))
-            return list_span(&job->items[i], count, 0, all);
+            return list_span(&job->items[i], count, 0, whole, all);
     }
     return PM_OK;
+}
+
+/* Does some row of the map add nothing to the error of large maps, while all are clear of the reference's own? */
+static bool by_whole_error(const pm__storage_job *job, pm__map_kind kind)
+{
+    bool added = true, whole = true;
+    for (size_t i = 0; i < job->item_count; i++) {
+        const pm__storage_row *const row = &job->items[i].row;
+        if (row->map != kind || !is_shown(&job->items[i]))
+            continue;
+        added = added && row->error.added > 0.0;
+        whole = whole && row->error.rmse > 0.0;
+    }
+    return !added && whole;
 }
 
 static pm_status make_fronts(pm__storage_job *job)
 {
     pm__storage_result *const r = job->result;
+    const bool whole[PM__MAP_KINDS] = {by_whole_error(job, PM__CAUSTIC_MAP), by_whole_error(job, PM__GLOBAL_MAP)};
     pm_status status = PM_OK;
     size_t row = 0;
     for (size_t i = 0, count; i < job->item_count && !job->items[i].hidden && status == PM_OK; i += count) {
@@ -185,9 +203,9 @@ static pm_status make_fronts(pm__storage_job *job)
         count = run_length(job, i);
         if (!all_shown(job, i, count))
             break; /* it was interrupted here: the rest has even fewer */
-        status = list_span(&job->items[i], count, row, &mine);
+        status = list_span(&job->items[i], count, row, whole[job->items[i].row.map], &mine);
         if (status == PM_OK)
-            status = find_all(job, job->items[i].row.map, &all);
+            status = find_all(job, job->items[i].row.map, mine.whole, &all);
         if (status == PM_OK)
             status = fill_front(&mine, all.items ? &all : NULL, &r->fronts[r->front_count++]);
         free(mine.lists);

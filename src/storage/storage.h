@@ -59,14 +59,16 @@ typedef struct pm__storage_row {
     pm__view_error error;         /* relative to the reference's mean */
 } pm__storage_row;
 
-/* At equal error to `all`: how many times as many photons, and how much more time, it needs. At the least error of the
- * policy that is an error of `all` too, whose cost there follows from its sizes, by straight lines between logarithms.
- * Intervals are over trials: both are given the same ones. */
+/* At equal error to `all`: how many times as many photons, and how much more time, it needs. By what maps add (tally.h),
+ * which knows little of the noise that all share; by the whole error where a row adds nothing to that of large maps. At
+ * the least error of the policy that is an error of `all` too, whose cost there follows from its sizes, by straight
+ * lines between logarithms. Intervals are over trials: both are given the same ones. */
 typedef struct pm__storage_front {
     const pm__spec *policy;
     pm__map_kind map;
     size_t row;                    /* at which; SIZE_MAX: there is none */
-    double rel_added;              /* tally.h: what stands in for the error where only differences count */
+    bool whole;                    /* by the whole error; else by what is added */
+    double rel_error;
     double stored_ratio, trace_ratio, time_ratio;
     pm__interval stored_ci95, trace_ci95, time_ci95;
     size_t *stored_front, *time_front; /* rows of the policy that no other of its own beats in both; ascending cost */
