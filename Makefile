@@ -15,7 +15,7 @@ PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
 PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image cases cases/scenes \
-    src/methods src/methods/progressive src/accuracy src/converge bench bench/workloads src/cli
+    src/methods src/methods/progressive src/accuracy src/converge src/storage bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
@@ -195,14 +195,14 @@ $(BUILD)/program.a: $(PROGRAM_OBJECTS)
 
 $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -lOpenEXRCore -ljansson -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng -ljansson -lm -o $@
 
 # Tests see the program's parts as well as the library's, so they link the static archives.
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $< \
-	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore \
+	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng \
 	    `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)

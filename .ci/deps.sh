@@ -10,7 +10,7 @@ shift
 command -v dpkg-query >/dev/null 2>&1 || exit 0 # not Debian: the compiler will say what is missing
 
 # Commands count wherever they come from, headers and libraries by their package.
-wanted="libc6-dev libjansson-dev librandom123-dev libembree-dev libopenexr-dev"
+wanted="libc6-dev libjansson-dev librandom123-dev libembree-dev libopenexr-dev libpng-dev"
 missing=
 compiler=${CC%% *}
 case $compiler in

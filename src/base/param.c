@@ -270,7 +270,7 @@ static pm_status parse_entry(const pm__catalogue *catalogue, piece whole, pm__sp
     if (continues(whole.text))
         return pm__fail(error, PM_EINVAL, "'%s' follows no %s that it could belong to", quoted(whole, shown),
                         catalogue->kind);
-    if (is_text(whole, "all"))
+    if (is_text(whole, "all") && !find_piece(catalogue, whole))
         return append_all(catalogue, specs, count, error);
     if (is_text(name, "all") && !find_piece(catalogue, name))
         return pm__fail(error, PM_EINVAL, "'all' takes no parameters");

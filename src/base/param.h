@@ -56,7 +56,8 @@ double pm__spec_value(const pm__spec *spec, const char *name, double absent);
 /* One NAME[:...]. ENAME (with the nearest known name) or EINVAL. */
 pm_status pm__spec_parse(const pm__catalogue *catalogue, const char *text, pm__spec *spec, pm_error *error);
 
-/* A comma list, appended to *specs (malloc'ed, grown; *count follows); `all` stands for every entry. */
+/* A comma list, appended to *specs (malloc'ed, grown; *count follows); `all` stands for every entry, unless one
+ * of them has that name. */
 pm_status pm__spec_parse_list(const pm__catalogue *catalogue, const char *text, pm__spec **specs, size_t *count,
                               pm_error *error);
 

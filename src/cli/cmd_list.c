@@ -4,6 +4,7 @@
 #include "../converge/converge.h"
 #include "../methods/render.h"
 #include "../search/search.h"
+#include "../transport/storing.h"
 #include "commands.h"
 #include "progress.h"
 #include "results.h"
@@ -14,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 7, TEXT_SIZE = 4096, SIZE = 48 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 8, TEXT_SIZE = 4096, SIZE = 48 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -31,6 +32,7 @@ static const kind kinds[KIND_COUNT] = {
     {"samplers", "Samplers", "--sampler NAME[:key=value[,key=value...]]", &pm__samplers},
     {"methods", "Methods of render", "render --method NAME[:key=value[,key=value...]]", &pm__methods},
     {"methods", "Methods of converge", "converge --method NAME[:key=value[,key=value...]]", &pm__progressives},
+    {"policies", "Policies", "storage --policy NAME[:key=value[,key=value...]]", &pm__policies},
 };
 
 /* An entry and which kind it is of. */
@@ -249,7 +251,8 @@ static int refuse(const char *name)
     if (nearest)
         pm__complain("list", "no list '%.80s'; did you mean '%s'?", name, nearest);
     else
-        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers, methods",
+        pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers, methods, "
+                             "policies",
                      name);
     return PM__EXIT_USAGE;
 }
@@ -299,7 +302,7 @@ static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_
 
 const pm__command pm__command_list = {
     .name = "list",
-    .operands = "[estimators|searches|cases|scenes|samplers|methods]",
+    .operands = "[estimators|searches|cases|scenes|samplers|methods|policies]",
     .max_operands = 1,
     .job = "what there is, with parameters, their defaults and ranges, and where it comes from",
     .text = "Examples:\n"

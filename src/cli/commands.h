@@ -32,6 +32,7 @@ typedef struct pm__command {
     X(search)               \
     X(speed)                \
     X(render)               \
+    X(storage)              \
     X(converge)             \
     X(advise)               \
     X(estimate)             \

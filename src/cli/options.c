@@ -25,6 +25,8 @@ void pm__settings_free(pm__settings *settings)
     free(settings->photons.items);
     free(settings->converge.methods.items);
     free(settings->advise.methods.items);
+    free(settings->storage.policies.items);
+    free(settings->storage.stored.items);
     free(settings->command_line);
 }
 

@@ -48,6 +48,17 @@ typedef struct pm__advise_options {
     bool verify;
 } pm__advise_options;
 
+/* What `storage` alone asks. */
+typedef struct pm__storage_options {
+    pm__specs policies;
+    pm__counts stored;
+    bool maps[2];           /* by pm__map_kind; neither: not given */
+    size_t paths;           /* eye paths of importance */
+    const char *importance; /* NULL: not given; else measure is its pm__measure */
+    int measure;
+    double share;           /* of importons; 0: not given */
+} pm__storage_options;
+
 /* What the options said. Empty lists, NULL and 0 mean: not given, the command's default. */
 typedef struct pm__settings {
     uint64_t seed;  /* 1 unless given */
@@ -73,6 +84,7 @@ typedef struct pm__settings {
     pm__render_options render;
     pm__converge_options converge;
     pm__advise_options advise;
+    pm__storage_options storage;
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;

@@ -7,6 +7,7 @@
 #include "../../src/base/sampler.h"
 #include "../../src/methods/render.h"
 #include "../../src/search/search.h"
+#include "../../src/transport/storing.h"
 
 extern const pm__catalogue pm__progressives; /* its header has another pm__run than program.h */
 
@@ -15,7 +16,7 @@ enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 static const char *const page_paths[] = {"README.md",        "docs/accuracy.md", "docs/search.md",  "docs/compare.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
                                          "docs/scenes.md",   "docs/render.md",   "docs/speed.md",
-                                         "docs/converge.md", "docs/advise.md"};
+                                         "docs/converge.md", "docs/advise.md",   "docs/storage.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -59,8 +60,8 @@ static bool is_mentioned(const char *name)
 START_TEST(everything_listed_is_mentioned)
 {
     const pm__catalogue *const all[] = {&pm__estimators, &pm__all_cases, &pm__searches, &pm__samplers,
-                                        &pm__methods,    &pm__progressives};
-    for (int c = 0; c < 6; c++)
+                                        &pm__methods,    &pm__progressives, &pm__policies};
+    for (int c = 0; c < 7; c++)
         for (size_t i = 0; i < all[c]->count; i++)
             ck_assert_msg(is_mentioned(all[c]->entries[i]->name), "no page mentions the %s %s", all[c]->kind,
                           all[c]->entries[i]->name);
@@ -71,8 +72,8 @@ END_TEST
 START_TEST(options_are_documented)
 {
     static const char *const commands[] = {"accuracy", "search",   "speed", "render",
-                                           "converge", "advise", "compare", "estimate", "list"};
-    for (int c = 0; c < 9; c++) {
+                                           "converge", "advise", "compare", "estimate", "list", "storage"};
+    for (int c = 0; c < 10; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
         (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
@@ -93,11 +94,11 @@ END_TEST
 /* Each field of the lists of rows, in backticks. */
 static void check_fields(const char *arguments, const char *path)
 {
-    static const char *const lists[] = {"rows", "fits", "points"};
+    static const char *const lists[] = {"rows", "fits", "points", "fronts"};
     json_t *const root = pm__expect_json(arguments), *value;
     const char *key;
     char wanted[60];
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 4; i++)
         json_object_foreach(json_array_get(json_object_get(root, lists[i]), 0), key, value) {
             (void)snprintf(wanted, sizeof wanted, "`%s`", key);
             ck_assert_msg(strstr(page(path), wanted) != NULL, "%s lacks the field %s", path, key);
@@ -117,6 +118,8 @@ START_TEST(fields_are_documented)
     check_fields("converge water --size 4x4 --trials 2 --passes 2 --photons-per-pass 200 --k 5 --at 1,1 --json -",
                  "docs/converge.md");
     check_fields("advise gradient --error 20% --estimator disc:last=none --probes 20 --json -", "docs/advise.md");
+    check_fields("storage torus --spp 4 --photons 500 --trials 2 --paths 1000 --policy all --json -",
+                 "docs/storage.md");
     check_fields("list cases --json -", "docs/list.md");
 }
 END_TEST

@@ -1,0 +1,31 @@
+/* Costs at equal error, from measurements at a few sizes. */
+#ifndef PM_STORAGE_EQUAL_H
+#define PM_STORAGE_EQUAL_H
+
+#include "../stats/stats.h"
+
+#include <stddef.h>
+
+/* One policy at `count` sizes: [size][trial]. */
+typedef struct pm__sizes {
+    size_t count, trials;
+    const double *const *square; /* squared errors */
+    const double *const *cost;
+} pm__sizes;
+
+typedef struct pm__equal {
+    size_t at;             /* the size of `mine`; SIZE_MAX: there is none */
+    double ratio;          /* the other's cost over mine; NAN */
+    pm__interval ci95;     /* over trials, which are paired: jackknife of the logarithm */
+    const char *why;       /* NULL, or why there is none */
+} pm__equal;
+
+/* At the size of `mine` that has the least error within the other's range. Both of as many trials, two or more. The
+ * other's cost there: by straight lines through logarithms, from size to size by ascending cost, the first that meets
+ * the error. ENOMEM shows as no ratio. */
+pm__equal pm__equal_error(const pm__sizes *mine, const pm__sizes *other);
+
+/* The sizes that no other one beats in both mean cost and error, by ascending cost: into front[count]; how many. */
+size_t pm__undominated(const pm__sizes *sizes, size_t *front);
+
+#endif
