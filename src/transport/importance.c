@@ -25,7 +25,7 @@ enum { BLOCK = 1024, AT_ONCE = PM__NEAREST_AT_ONCE };
 enum { VALUE, RADIUS }; /* within `power` of an importon that carries an estimate: 1/m2, m */
 
 static const double pi = 3.14159265358979323846;
-static const double reach_in_radii = 16.0, important_share = 0.1;
+static const double reach_in_radii = 16.0, reach_in_usual = 8.0, important_share = 0.1;
 
 typedef struct field {
     size_t count;           /* importons traced */
@@ -191,7 +191,8 @@ static pm_status make_field(const estimating *e, field *made)
     const pm_map_options options = {.parallel = e->config->parallel};
     pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
     if (status == PM_OK)
-        status = pm__nearest_create(made->map, reach_in_radii * farthest, usual * sqrt(pi / in_disc), &made->nearest);
+        status = pm__nearest_create(made->map, fmin(reach_in_radii * farthest, reach_in_usual * usual),
+                                    usual * sqrt(pi / in_disc), &made->nearest);
     free(photons);
     return status;
 }
