@@ -10,4 +10,7 @@
     X(cognac)                 \
     X(torus)                  \
     X(lamp)                   \
-    X(maze)
+    X(egg)                    \
+    X(office)                 \
+    X(maze)                   \
+    X(wide_floor)
