@@ -7,6 +7,8 @@
  * function of map and cell alone. Threads that meet make the same one, and one of them leaves it in the table. */
 #include "nearest.h"
 
+#include "vicinity.h"
+
 #include "../base/memory.h"
 #include "../base/vec3.h"
 #include "../lookup/lookup.h"
@@ -43,6 +45,7 @@ typedef struct entry {
 struct pm__nearest {
     const pm_map *map;
     float reach2;  /* map units squared */
+    pm__vicinity vicinity; /* where anything is within it */
     double per_size[LEVELS]; /* one over the cells' size, map units: a power of two, so places fall into them exactly */
     size_t mask;   /* slots - 1 */
     _Atomic(entry *) *slots;
@@ -54,7 +57,7 @@ typedef struct asked {
     float place[3]; /* map units */
     const float *normal;
     uint32_t cone;
-    bool is_any; /* false: not finite */
+    bool is_any; /* false: not finite, or nothing is near */
 } asked;
 
 /* ---- Cells ------------------------------------------------------------------------------------- */
@@ -357,7 +360,8 @@ static asked ask(const pm__nearest *nearest, const float position[3], const floa
         point.place[i] = pm__in_frame(nearest->map, i, position[i]);
         sum += fabsf(normal[i]);
     }
-    point.is_any = sum > 0.0f && sum < INFINITY && isfinite(position[0] + position[1] + position[2]);
+    point.is_any = sum > 0.0f && sum < INFINITY && isfinite(position[0] + position[1] + position[2]) &&
+                   pm__vicinity_holds(&nearest->vicinity, point.place);
     point.cone = point.is_any ? cone_of(normal) : 0;
     return point;
 }
@@ -405,7 +409,9 @@ pm_status pm__nearest_create(const pm_map *map, double reach, double spacing, pm
     made->mask = slots - 1;
     made->slots = pm__alloc_zero(slots, sizeof *made->slots);
     made->asked = pm__alloc_zero(slots, sizeof *made->asked);
-    if (!made->slots || !made->asked) {
+    const bool known = pm__vicinity_create(map, sqrt((double)made->reach2), &made->vicinity) == PM_OK;
+    if (!made->slots || !made->asked || !known) {
+        pm__vicinity_free(&made->vicinity);
         free((void *)made->slots);
         free((void *)made->asked);
         free(made);
@@ -423,5 +429,6 @@ void pm__nearest_destroy(pm__nearest *nearest)
         free(atomic_load_explicit(&nearest->slots[i], memory_order_relaxed));
     free((void *)nearest->slots);
     free((void *)nearest->asked);
+    pm__vicinity_free(&nearest->vicinity);
     free(nearest);
 }
