@@ -59,10 +59,10 @@ typedef struct pm__storage_row {
     pm__view_error error;         /* relative to the reference's mean */
 } pm__storage_row;
 
-/* At equal error to `all`: how many times as many photons, and how much more time, it needs. By what maps add (tally.h),
- * which knows little of the noise that all share; by the whole error where a row adds nothing to that of large maps. At
- * the least error of the policy that is an error of `all` too, whose cost there follows from its sizes, by straight
- * lines between logarithms. Intervals are over trials: both are given the same ones. */
+/* At equal error to `all`: how many times as many photons, and how much more time, it needs. By what maps add
+ * (tally.h), which knows little of the noise that all share; by the whole error where a row adds nothing to that of
+ * large maps. At the least error of the policy that is an error of `all` too, whose cost there follows from its sizes,
+ * by straight lines between logarithms. Intervals are over trials: both are given the same ones. */
 typedef struct pm__storage_front {
     const pm__spec *policy;
     pm__map_kind map;

@@ -115,6 +115,10 @@ START_TEST(even_light_gives_an_even_image)
             PM_CHECK_NEAR((double)(lit[i] - dark[i]), irradiance / pi / 2.0, 1e-6);
         }
     }
+    /* With the large map itself the image is that of large maps: what was taken off comes back. */
+    ck_assert_int_eq(pm__viewing_errors(viewing, PM__GLOBAL_MAP, pm__viewing_global(viewing), lit), PM_OK);
+    for (size_t i = 0; i < values; i++) /* of the first group, whose map it is */
+        PM_CHECK_NEAR((double)lit[i], (double)pm__viewing_base(viewing)[i], 1e-5);
     free(dark);
     free(lit);
     pm__viewing_destroy(viewing);
