@@ -114,7 +114,7 @@ static pm_query query_at(const estimating *e, size_t carrier)
 
 static pm_status estimate_some(const estimating *e, size_t first, size_t count, pm_neighbor *near, size_t stride)
 {
-    pm_query queries[AT_ONCE];
+    pm_query queries[AT_ONCE] = {{.k = 0}};
     size_t found[AT_ONCE], which[AT_ONCE];
     for (size_t i = 0; i < count; i++) {
         which[i] = pm_map_source(e->map, e->order[first + i]);

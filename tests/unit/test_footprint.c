@@ -212,9 +212,6 @@ static pm__scene *make_scene(const body *b, double gloss)
     return lit_commit(scene);
 }
 
-static const pm__placement here = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, {0, 0, 0}};
-static const pm__placement turned_over = {{{0.6, 0.0, 0.8}, {0.0, 1.0, 0.0}, {-0.8, 0.0, 0.6}}, 1.25, {0.2, -0.1, 0.3}};
-
 static pm__camera make_camera(void)
 {
     const pm__view view = {.eye = {0.4, -4.1, 2.2}, .at = {0.1, 0.05, 0.0}, .up = {0, 0, 1}, .angle = 0.5};
@@ -305,11 +302,15 @@ static void compare(const traced *t)
 
 /* ---- Tests ------------------------------------------------------------------------------------- */
 
-static const body bodies[] = {{BALL, PM__GLASS, 1.0L, here},  {BALL, PM__MIRROR, 1.0L, here},
-                              {TUBE, PM__GLASS, 0.8L, here},  {TUBE, PM__MIRROR, 0.8L, turned_over},
-                              {WAVES, PM__GLASS, 0.0L, here}, {WAVES, PM__GLASS, 0.0L, turned_over},
-                              {WAVES, PM__MIRROR, 0.0L, here}, {BALL, PM__GLASS, 1.0L, turned_over},
-                              {PLANE, PM__MIRROR, 0.0L, here}, {PLANE, PM__GLASS, 0.0L, here}};
+/* Where they stand. */
+#define HERE {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, {0, 0, 0}}
+#define TURNED {{{0.6, 0.0, 0.8}, {0.0, 1.0, 0.0}, {-0.8, 0.0, 0.6}}, 1.25, {0.2, -0.1, 0.3}}
+
+static const body bodies[] = {{BALL, PM__GLASS, 1.0L, HERE},   {BALL, PM__MIRROR, 1.0L, HERE},
+                              {TUBE, PM__GLASS, 0.8L, HERE},   {TUBE, PM__MIRROR, 0.8L, TURNED},
+                              {WAVES, PM__GLASS, 0.0L, HERE},  {WAVES, PM__GLASS, 0.0L, TURNED},
+                              {WAVES, PM__MIRROR, 0.0L, HERE}, {BALL, PM__GLASS, 1.0L, TURNED},
+                              {PLANE, PM__MIRROR, 0.0L, HERE}, {PLANE, PM__GLASS, 0.0L, HERE}};
 
 START_TEST(mirrors_and_glass_of_every_shape)
 {
