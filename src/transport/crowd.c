@@ -112,7 +112,7 @@ static uint64_t cells_between(const int64_t region[3], const int64_t from[3], co
     static const unsigned strides[3] = {16, 4, 1};
     uint64_t all = UINT64_MAX;
     for (int a = 0; a < 3; a++) {
-        const int64_t first = from[a] - (region[a] << REGION_BITS), last = to[a] - (region[a] << REGION_BITS);
+        const int64_t first = from[a] - REGION_EDGE * region[a], last = to[a] - REGION_EDGE * region[a];
         uint64_t some = 0;
         for (int64_t i = first > 0 ? first : 0; i <= last && i < REGION_EDGE; i++)
             some |= slices[a] << (strides[a] * (unsigned)i);

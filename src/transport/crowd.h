@@ -1,9 +1,9 @@
 /* Stored photons by place, to be searched while they grow more: which lie within a distance that is known beforehand?
  *
- * Cubic cells, hashed by regions of 64, at levels of edges that double. A photon stands at the level of its own reach, the smallest
- * whose edge is no less, and at the neighbouring level that its reach is nearer to; a search looks at the level of its
- * own reach alone. So it sees photons whose reach is between 0.35 and 1.4 edges, about its own, in at most 27 cells,
- * and where reaches jump those on either side do not see each other. */
+ * Cubic cells, hashed by regions of 64, at levels of edges that double. A photon stands at the level of its own reach,
+ * the smallest whose edge is no less, and at the neighbouring level that its reach is nearer to; a search looks at the
+ * level of its own reach alone. So it sees photons whose reach is between 0.35 and 1.4 edges, about its own, in at most
+ * 27 cells, and where reaches jump those on either side do not see each other. */
 #ifndef PM_TRANSPORT_CROWD_H
 #define PM_TRANSPORT_CROWD_H
 

@@ -207,13 +207,14 @@ END_TEST
 
 /* ---- Bad input --------------------------------------------------------------------------------- */
 
-/* Light that goes all to one point of a sheet, from above, or from both sides. */
+/* Light that goes all to one point of a sheet, from above, or from below too: so little that those who came before it
+ * all lie on the other side. */
 static policed pierced(bool both)
 {
     const pm__light above = {.kind = PM__DIRECTIONAL, .position = {0.1, 0.2, 1.0}, .direction = {0.0, 0.0, -1.0},
                              .radius = 1e-12, .power = {1.0, 2.0, 3.0}};
     const pm__light below = {.kind = PM__DIRECTIONAL, .position = {0.1, 0.2, -1.0}, .direction = {0.0, 0.0, 1.0},
-                             .radius = 1e-12, .power = {3.0, 2.0, 1.0}};
+                             .radius = 1e-12, .power = {3e-3, 2e-3, 1e-3}};
     static const pm__view view = {{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.5};
     policed p = {.scene = lit_create()};
     lit_floor(p.scene, lit_wall(p.scene, 0.0, 0.0, 0.0), 0.5, 0.0);
@@ -239,7 +240,7 @@ START_TEST(test_all_in_one_point)
         for (size_t i = 0; i < POLICIES; i++) {
             pm__stored_photons set = policed_store(&p, all_policies[i], PM__GLOBAL_MAP, 20000, 1);
             check_kept(&set, all_policies[i]);
-            PM_CHECK_NEAR(set.came[0], both ? 12.0 : 6.0, 1e-5);
+            PM_CHECK_NEAR(set.came[0], both ? 6.006 : 6.0, 1e-5);
             if (strstr(all_policies[i], "density") && !strstr(all_policies[i], "cosine"))
                 ck_assert_uint_le(set.count, 45);
             pm__stored_photons_free(&set);
