@@ -15,8 +15,9 @@ static const double near_share = 0.01;
 /* The same for lookups: farther photons lie on other surfaces, and a search that finds none ends. */
 static const double radius_share = 0.1;
 
-/* DEEPER: eye paths for the light that stays, for each by which maps are looked at; SEEN: paths across and down. */
-enum { IMPORTONS = 200, OUTLIER = 100, DEEPER = 32, SEEN = 64 };
+/* PIXELS: along the shorter side of the image that importance is of. DEEPER: eye paths for the light that stays, for
+ * each by which maps are looked at. SEEN: paths across and down. */
+enum { IMPORTONS = 200, OUTLIER = 100, PIXELS = 256, DEEPER = 32, SEEN = 64 };
 /* What lookups cost beside photons: for progress alone. */
 static const double lookup_work = 0.5;
 
@@ -100,13 +101,30 @@ static double diagonal_of(const pm__storage_job *job)
     return sqrt(square);
 }
 
+/* References are small images of what would be rendered larger, and policies count photons by its pixels. */
+static pm__camera camera_of(const pm__storage_job *job, size_t *width, size_t *height)
+{
+    const size_t shorter = job->result->width < job->result->height ? job->result->width : job->result->height;
+    const size_t finer = (PIXELS + shorter - 1) / shorter;
+    pm__camera camera = job->stage.camera;
+    *width = finer * job->result->width;
+    *height = finer * job->result->height;
+    for (int a = 0; a < 3; a++) {
+        camera.right[a] /= (double)finer;
+        camera.down[a] /= (double)finer;
+    }
+    return camera;
+}
+
 static pm_status make_importance(pm__storage_job *job, pm_error *error)
 {
     const pm__storage_wish *const w = job->wish;
+    size_t width, height;
+    const pm__camera camera = camera_of(job, &width, &height);
     const pm__importance_config config = {.scene = job->stage.scene,
-                                          .camera = &job->stage.camera,
-                                          .width = job->result->width,
-                                          .height = job->result->height,
+                                          .camera = &camera,
+                                          .width = width,
+                                          .height = height,
                                           .paths = w->paths,
                                           .bounces = w->gather,
                                           .near = job->result->near,
