@@ -8,8 +8,8 @@
  * tiny ones that are to be cut have a say in it beyond their number. */
 #include "importance.h"
 
+#include "cells.h"
 #include "importons.h"
-#include "nearest.h"
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 1024, AT_ONCE = PM__NEAREST_AT_ONCE };
+enum { BLOCK = 1024, AT_ONCE = 16 };
 enum { VALUE, RADIUS }; /* within `power` of an importon that carries an estimate: 1/m2, m */
 
 static const double pi = 3.14159265358979323846;
@@ -30,7 +30,7 @@ static const double reach_in_radii = 16.0, reach_in_usual = 8.0, important_share
 typedef struct field {
     size_t count;           /* importons traced */
     pm_map *map;            /* of those that carry; NULL: there are none */
-    pm__nearest *nearest;   /* of it */
+    pm__cells *cells;       /* of it */
     double mean, greatest;  /* 1/m2 */
 } field;
 
@@ -168,6 +168,19 @@ static double value_of(const estimating *e, double scale, size_t carrier)
     return fmin(value, (double)FLT_MAX);
 }
 
+/* What an importon says of a place near it. */
+static float value_at(const void *context, const pm_neighbor *near)
+{
+    const field *const f = context;
+    const float *const carried = pm__power(f->map, near->number);
+    const double unit = pm_map_unit(f->map), distance2 = (double)near->distance2 * unit * unit;
+    const double radius2 = (double)carried[RADIUS] * (double)carried[RADIUS];
+    if (distance2 <= radius2)
+        return carried[VALUE];
+    return distance2 <= reach_in_radii * reach_in_radii * radius2 ? carried[VALUE] * (float)(radius2 / distance2)
+                                                                  : 0.0f;
+}
+
 static pm_status make_field(const estimating *e, field *made)
 {
     double farthest = 0.0, sum = 0.0;
@@ -191,8 +204,8 @@ static pm_status make_field(const estimating *e, field *made)
     const pm_map_options options = {.parallel = e->config->parallel};
     pm_status status = pm_map_create(photons, e->carriers, &options, &made->map, NULL);
     if (status == PM_OK)
-        status = pm__nearest_create(made->map, fmin(reach_in_radii * farthest, reach_in_usual * usual),
-                                    usual * sqrt(pi / in_disc), &made->nearest);
+        status = pm__cells_create(made->map, fmin(reach_in_radii * farthest, reach_in_usual * usual),
+                                  usual * sqrt(pi / in_disc), value_at, made, &made->cells);
     free(photons);
     return status;
 }
@@ -287,7 +300,7 @@ void pm__importance_destroy(pm__importance *importance)
     if (!importance)
         return;
     for (int kind = 0; kind < PM__MAP_KINDS; kind++) {
-        pm__nearest_destroy(importance->fields[kind].nearest);
+        pm__cells_destroy(importance->fields[kind].cells);
         pm_map_destroy(importance->fields[kind].map);
     }
     free(importance);
@@ -313,31 +326,15 @@ double pm__importance_threshold(const pm__importance *importance, pm__map_kind k
     return important_share * importance->fields[kind].mean;
 }
 
-/* ---- Lookup ------------------------------------------------------------------------------------ */
-
-static float value_at(const field *f, const pm_neighbor *near)
-{
-    const float *const carried = pm__power(f->map, near->number);
-    const double unit = pm_map_unit(f->map), distance2 = (double)near->distance2 * unit * unit;
-    const double radius2 = (double)carried[RADIUS] * (double)carried[RADIUS];
-    if (distance2 <= radius2)
-        return carried[VALUE];
-    return distance2 <= reach_in_radii * reach_in_radii * radius2 ? carried[VALUE] * (float)(radius2 / distance2)
-                                                                  : 0.0f;
-}
-
 pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
                             const float (*normals)[3], size_t count, float *values)
 {
     const field *const f = &importance->fields[kind];
-    pm_neighbor found[AT_ONCE];
     if (!f->map)
         memset(values, 0, count * sizeof *values);
-    for (size_t first = 0; first < count && f->map; first += AT_ONCE) {
-        const size_t rest = count - first, some = rest < AT_ONCE ? rest : AT_ONCE;
-        pm__nearest_find(f->nearest, positions + first, normals + first, some, found);
-        for (size_t i = 0; i < some; i++)
-            values[first + i] = found[i].number == UINT32_MAX ? 0.0f : value_at(f, &found[i]);
+    for (size_t first = 0; first < count && f->map; first += PM__CELLS_AT_ONCE) {
+        const size_t rest = count - first, some = rest < PM__CELLS_AT_ONCE ? rest : PM__CELLS_AT_ONCE;
+        pm__cells_find(f->cells, positions + first, normals + first, some, values + first);
     }
     return PM_OK;
 }

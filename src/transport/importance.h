@@ -59,10 +59,11 @@ double pm__importance_greatest(const pm__importance *importance, pm__map_kind ki
 /* Where importance is at least this much, 1/m2, a place is important: a tenth of the mean over importons. */
 double pm__importance_threshold(const pm__importance *importance, pm__map_kind kind);
 
-/* Importance at points on surfaces, 1/m2, finite and >= 0: that of the nearest importon which came to the side of
- * normals[i] and carries one; farther from it than the importons are that it was made of, it falls with the square of
- * the distance, and beyond 16 times as far it is 0. For many points at once, from any thread; positions in m, normals
- * unit. ENOMEM. */
+/* Importance at points on surfaces, 1/m2, finite and >= 0: what the nearest importon says which came to the side of
+ * normals[i] and carries an estimate, for all points of a cell alike (cells.h: as large as importons lie apart) as for
+ * its middle. Farther from it than the importons are that its estimate was made of, that falls with the square of the
+ * distance; beyond 16 times as far, or 8 times what is usual, it is 0. For many points at once, from any thread;
+ * positions in m, normals unit. */
 pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
                             const float (*normals)[3], size_t count, float *values);
 
