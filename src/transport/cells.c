@@ -16,7 +16,7 @@
 enum { LARGE, SMALL, LEVELS };
 enum { LARGER = 8, PROBES = 8 };
 enum { STEPS = 3 };     /* cones of normals: 3 x 3 on each face of a cube */
-enum { HALF = 1 << 18 }; /* cells on each side of the middle that keys tell apart */
+enum { KEY_BITS = 19, HALF = 1 << (KEY_BITS - 1) }; /* cells on each side of the middle that keys tell apart */
 
 /* Bits of no value. */
 static const uint32_t unknown = UINT32_MAX, near_by = UINT32_MAX - 1;
@@ -43,9 +43,10 @@ struct pm__cells {
 
 /* A point that is asked about. */
 typedef struct asked {
-    float place[3]; /* map units */
+    float place[3];       /* map units */
     uint32_t cone;
-    bool is_any;    /* false: not finite, or nothing is near */
+    uint64_t key[LEVELS]; /* of its cells; 0: too far off to be counted */
+    bool is_any;          /* false: not finite, or nothing is near */
 } asked;
 
 /* ---- Cells ------------------------------------------------------------------------------------- */
@@ -77,18 +78,16 @@ static void middle_of(uint32_t cone, float normal[3])
         normal[i] = (float)n[i];
 }
 
-/* 0: too far off to be counted. */
-static uint64_t key_of(const table *t, const asked *point, int32_t cell[3])
+static uint64_t key_of(const table *t, const float place[3], uint32_t cone)
 {
     uint64_t key = 1;
-    for (int i = 0; i < 3; i++) {
-        const double at = floor((double)point->place[i] * t->per_size);
-        if (!(at >= -HALF && at < HALF))
+    for (int axis = 0; axis < 3; axis++) {
+        const double at = (double)place[axis] * t->per_size + HALF; /* above 0 what is cut off is the floor */
+        if (!(at >= 0.0 && at < 2.0 * HALF))
             return 0;
-        cell[i] = (int32_t)at;
-        key = key * (2 * HALF) + (uint64_t)(cell[i] + HALF);
+        key = key << KEY_BITS | (uint64_t)at;
     }
-    return key << 6 | point->cone;
+    return key << 6 | cone;
 }
 
 static size_t slot_of(uint64_t key)
@@ -128,24 +127,26 @@ static uint32_t ask_map(const pm__cells *cells, int level, const float place[3],
     return bits_of(search(cells, place, normal, cells->reach2, &found) ? cells->value(cells->context, &found) : 0.0f);
 }
 
-static uint32_t ask_cell(const pm__cells *cells, int level, const int32_t cell[3], uint32_t cone)
+static uint32_t ask_cell(const pm__cells *cells, int level, uint64_t key)
 {
     float middle[3];
-    for (int i = 0; i < 3; i++)
-        middle[i] = (float)(((double)cell[i] + 0.5) * cells->tables[level].size);
-    return ask_map(cells, level, middle, cone);
+    for (int i = 0; i < 3; i++) {
+        const double cell = (double)(key >> (6 + KEY_BITS * (2 - i)) & (2 * HALF - 1)) - HALF;
+        middle[i] = (float)((cell + 0.5) * cells->tables[level].size);
+    }
+    return ask_map(cells, level, middle, (uint32_t)(key & 63));
 }
 
 /* Where the table has no room the cell is asked about each time. */
 static uint32_t look_up(pm__cells *cells, int level, const asked *point)
 {
     const table *const t = &cells->tables[level];
-    int32_t cell[3];
-    const uint64_t key = key_of(t, point, cell);
+    const uint64_t key = point->key[level];
+    const size_t first = slot_of(key);
     if (!key)
         return ask_map(cells, SMALL, point->place, point->cone);
     for (size_t i = 0; i < PROBES; i++) {
-        slot *const at = &t->slots[(slot_of(key) + i) & t->mask];
+        slot *const at = &t->slots[(first + i) & t->mask];
         uint64_t there = atomic_load_explicit(&at->key, memory_order_acquire);
         if (!there && atomic_compare_exchange_strong_explicit(&at->key, &there, key, memory_order_acq_rel,
                                                               memory_order_acquire))
@@ -154,12 +155,12 @@ static uint32_t look_up(pm__cells *cells, int level, const asked *point)
             continue;
         uint32_t bits = atomic_load_explicit(&at->bits, memory_order_relaxed);
         if (bits == unknown) {
-            bits = ask_cell(cells, level, cell, point->cone);
+            bits = ask_cell(cells, level, key);
             atomic_store_explicit(&at->bits, bits, memory_order_relaxed);
         }
         return bits;
     }
-    return ask_cell(cells, level, cell, point->cone);
+    return ask_cell(cells, level, key);
 }
 
 /* ---- Points ------------------------------------------------------------------------------------ */
@@ -174,7 +175,14 @@ static asked ask(const pm__cells *cells, const float position[3], const float no
     }
     point.is_any = sum > 0.0f && sum < INFINITY && isfinite(position[0] + position[1] + position[2]) &&
                    pm__vicinity_holds(&cells->vicinity, point.place);
-    point.cone = point.is_any ? cone_of(normal) : 0;
+    if (!point.is_any)
+        return point;
+    point.cone = cone_of(normal);
+    for (int level = 0; level < LEVELS; level++) {
+        const table *const t = &cells->tables[level];
+        point.key[level] = key_of(t, point.place, point.cone);
+        __builtin_prefetch(&t->slots[slot_of(point.key[level]) & t->mask]);
+    }
     return point;
 }
 
@@ -183,14 +191,8 @@ void pm__cells_find(pm__cells *cells, const float (*positions)[3], const float (
                     float *values)
 {
     asked points[PM__CELLS_AT_ONCE];
-    int32_t cell[3];
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i++)
         points[i] = ask(cells, positions[i], normals[i]);
-        for (int level = 0; level < LEVELS && points[i].is_any; level++) {
-            const table *const t = &cells->tables[level];
-            __builtin_prefetch(&t->slots[slot_of(key_of(t, &points[i], cell)) & t->mask]);
-        }
-    }
     for (size_t i = 0; i < count; i++) {
         uint32_t bits = points[i].is_any ? look_up(cells, LARGE, &points[i]) : 0;
         if (bits == near_by)
