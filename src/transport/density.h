@@ -17,7 +17,8 @@ typedef struct pm__density_rule {
     int power;         /* of the convergence of caustics; 0: off */
 } pm__density_rule;
 
-typedef enum pm__verdict { PM__STORE, PM__SHARE_OUT } pm__verdict;
+/* aside: it is not to be kept at all. */
+typedef enum pm__verdict { PM__STORE, PM__SHARE_OUT, PM__ASIDE } pm__verdict;
 
 typedef struct pm__arrival {
     uint64_t key;       /* of its cell */

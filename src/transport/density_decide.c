@@ -249,6 +249,11 @@ static void decide(const pm__density *d, const pm__seeker *seeker, pm__searcher 
     const pm__density_rule *const rule = &d->rule;
     pm__arrival *const arrival = &d->arrivals[seeker->arrival];
     const double searched = pm__density_searched(rule, (double)seeker->reach);
+    if (d->all->aside && d->all->aside[d->begin + seeker->arrival]) {
+        arrival->verdict = PM__ASIDE;
+        arrival->lacks = false;
+        return;
+    }
     d->kernel->find(&with->hood, seeker->position, (float)searched, rule->neighbors, &with->found);
     arrival->found = (uint16_t)with->found.count;
     bool enough = with->found.count == rule->neighbors;

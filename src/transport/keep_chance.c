@@ -56,7 +56,7 @@ static size_t take(pm__storage *storage, const pm__arrivals *arrivals, const flo
             begin = i;
             before = stock->count;
         }
-        if (factors && factors[i] == 0.0f)
+        if ((factors && factors[i] == 0.0f) || (arrivals->aside && arrivals->aside[i]))
             continue;
         add(stock, arrivals, i, factors ? factors[i] : 1.0f);
         if (stock->count >= storage->config->stored && !pm__path_is_first(arrivals, i)) {

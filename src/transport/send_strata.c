@@ -100,8 +100,10 @@ static void send_shares(pm__storage *s, const double *shares)
     s->planned = (uint64_t)ceil(all);
     if (s->planned == 0)
         return;
-    for (size_t i = 0; i < strata->count; i++)
+    for (size_t i = 0; i < strata->count; i++) {
         strata->items[i].load = shares[i] > 0.0 ? evenly(s, i) / shares[i] : 0.0;
+        s->sender->heaviest = fmax(s->sender->heaviest, strata->items[i].load);
+    }
     pm__strata_share(&s->emission, strata, shares);
 }
 

@@ -13,6 +13,7 @@ typedef struct pm__stray {
 
 typedef struct pm__sender {
     pm__strata strata;
+    double heaviest;   /* of the strata's loads */
     pm__stray *strays; /* photons of more power than others have where they came to */
     size_t stray_count, stray_room;
 } pm__sender;

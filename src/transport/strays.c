@@ -12,51 +12,18 @@ static const double least_load = 1.5;
 
 /* ---- Put aside ---------------------------------------------------------------------------------- */
 
-static bool is_stray(const pm__storage *storage, const pm__arrivals *arrivals, size_t i)
+/* Marks them, and says how many. */
+static size_t mark_strays(const pm__storage *storage, const pm__arrivals *arrivals, unsigned char *aside)
 {
-    return arrivals->part[i] && pm__load_of(storage, arrivals, i) > least_load;
-}
-
-/* Arrivals without the strays, and which each was. */
-typedef struct sieve {
-    pm_photon *photons;
-    float (*normals)[3];
-    uint32_t *numbers;
-    float *importance;
-    unsigned char *part;
-    size_t *from;
-    size_t count;
-} sieve;
-
-static void free_sieve(sieve *s)
-{
-    free(s->photons);
-    free(s->normals);
-    free(s->numbers);
-    free(s->importance);
-    free(s->part);
-    free(s->from);
-}
-
-static pm_status reserve_sieve(sieve *s, size_t count)
-{
-    s->photons = pm__alloc(count, sizeof *s->photons);
-    s->normals = pm__alloc(count, sizeof *s->normals);
-    s->numbers = pm__alloc(count, sizeof *s->numbers);
-    s->importance = pm__alloc(count, sizeof *s->importance);
-    s->part = pm__alloc(count, sizeof *s->part);
-    s->from = pm__alloc(count, sizeof *s->from);
-    return s->photons && s->normals && s->numbers && s->importance && s->part && s->from ? PM_OK : PM_ENOMEM;
-}
-
-static void pass(sieve *s, const pm__arrivals *arrivals, size_t i)
-{
-    s->photons[s->count] = arrivals->photons[i];
-    memcpy(s->normals[s->count], arrivals->normals[i], sizeof s->normals[0]);
-    s->numbers[s->count] = arrivals->numbers[i];
-    s->importance[s->count] = arrivals->importance[i];
-    s->part[s->count] = arrivals->part[i];
-    s->from[s->count++] = i;
+    size_t strays = 0;
+    bool heavy = false;
+    for (size_t i = 0; i < arrivals->count; i++) {
+        if (i == 0 || arrivals->numbers[i] != arrivals->numbers[i - 1])
+            heavy = pm__load_of(storage, arrivals, i) > least_load;
+        aside[i] = heavy && arrivals->part[i];
+        strays += aside[i];
+    }
+    return strays;
 }
 
 static pm_status put_aside(pm__sender *sender, const pm__arrivals *arrivals, size_t i)
@@ -69,37 +36,21 @@ static pm_status put_aside(pm__sender *sender, const pm__arrivals *arrivals, siz
     return PM_OK;
 }
 
-/* What is kept of the others, and of the strays those before the same end. */
-static pm_status keep_sifted(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, const sieve *s,
-                             size_t *taken)
-{
-    size_t some = 0;
-    const pm__arrivals others = {s->photons, (const float(*)[3])s->normals, s->numbers, s->importance, s->part,
-                                 s->count, arrivals->first};
-    pm_status status = s->count ? keep(storage, &others, &some) : PM_OK;
-    *taken = some < s->count ? pm__path_begin(arrivals, s->from[some]) : arrivals->count;
-    for (size_t i = 0; i < *taken && status == PM_OK; i++)
-        if (is_stray(storage, arrivals, i))
-            status = put_aside(storage->sender, arrivals, i);
-    return status;
-}
-
 pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, size_t *taken)
 {
-    size_t strays = 0;
-    if (pm__policy_value(storage, "strays", 0.0) != 1.0)
-        for (size_t i = 0; i < arrivals->count; i++)
-            strays += is_stray(storage, arrivals, i);
-    if (!strays)
+    pm__sender *const sender = storage->sender;
+    pm__arrivals others = *arrivals;
+    if (!(sender->heaviest > least_load) || pm__policy_value(storage, "strays", 0.0) == 1.0)
         return keep(storage, arrivals, taken);
-    sieve s = {.count = 0};
-    pm_status status = reserve_sieve(&s, arrivals->count);
-    for (size_t i = 0; i < arrivals->count && status == PM_OK; i++)
-        if (!is_stray(storage, arrivals, i))
-            pass(&s, arrivals, i);
-    if (status == PM_OK)
-        status = keep_sifted(storage, arrivals, keep, &s, taken);
-    free_sieve(&s);
+    unsigned char *const aside = pm__alloc(arrivals->count, sizeof *aside);
+    if (!aside)
+        return PM_ENOMEM;
+    others.aside = mark_strays(storage, arrivals, aside) ? aside : NULL;
+    pm_status status = keep(storage, &others, taken);
+    for (size_t i = 0; others.aside && i < *taken && status == PM_OK; i++)
+        if (aside[i])
+            status = put_aside(sender, arrivals, i);
+    free(aside);
     return status;
 }
 

@@ -14,9 +14,10 @@ struct pm__policy;
 typedef struct pm__arrivals {
     const pm_photon *photons;
     const float (*normals)[3];
-    const uint32_t *numbers;   /* of their paths, from `first` on */
-    const float *importance;   /* 1/m2; NULL: nobody knows it */
-    const unsigned char *part; /* 1: in a place that is important */
+    const uint32_t *numbers;    /* of their paths, from `first` on */
+    const float *importance;    /* 1/m2; NULL: nobody knows it */
+    const unsigned char *part;  /* 1: in a place that is important */
+    const unsigned char *aside; /* 1: it is taken care of, and not to be kept; NULL: none is */
     size_t count;
     uint64_t first;
 } pm__arrivals;
