@@ -124,7 +124,10 @@ static uint32_t ask_map(const pm__cells *cells, int level, const float place[3],
     if (level == LARGE && search(cells, place, NULL, across * across, &found))
         return near_by;
     middle_of(cone, normal);
-    return bits_of(search(cells, place, normal, cells->reach2, &found) ? cells->value(cells->context, &found) : 0.0f);
+    if (!search(cells, place, normal, cells->reach2, &found))
+        return 0;
+    const double off = sqrt((double)found.distance2) - 0.5 * sqrt(3.0) * cells->tables[level].size;
+    return bits_of(cells->value(cells->context, found.number, fmax(0.0, off) * pm_map_unit(cells->map)));
 }
 
 static uint32_t ask_cell(const pm__cells *cells, int level, uint64_t key)

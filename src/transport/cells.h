@@ -7,8 +7,9 @@
 
 typedef struct pm__cells pm__cells;
 
-/* What a photon found (squared distance in map units) says of a place: finite, >= 0. */
-typedef float (*pm__cell_value)(const void *context, const pm_neighbor *found);
+/* What a photon, nearest to the middle of a cell, says of it: finite, >= 0. distance: m, from the middle less half the
+ * cell's diagonal, or 0. */
+typedef float (*pm__cell_value)(const void *context, uint32_t photon, double distance);
 
 /* map: with directions, and photons in it; borrowed. reach: m, none farther is wanted. size: m, of a cell; where no
  * photon is near cells are 8 times as large. ENOMEM. */

@@ -169,16 +169,14 @@ static double value_of(const estimating *e, double scale, size_t carrier)
 }
 
 /* What an importon says of a place near it. */
-static float value_at(const void *context, const pm_neighbor *near)
+static float value_at(const void *context, uint32_t importon, double distance)
 {
     const field *const f = context;
-    const float *const carried = pm__power(f->map, near->number);
-    const double unit = pm_map_unit(f->map), distance2 = (double)near->distance2 * unit * unit;
-    const double radius2 = (double)carried[RADIUS] * (double)carried[RADIUS];
-    if (distance2 <= radius2)
+    const float *const carried = pm__power(f->map, importon);
+    const double radius = (double)carried[RADIUS], of_radius = radius / distance;
+    if (distance <= radius)
         return carried[VALUE];
-    return distance2 <= reach_in_radii * reach_in_radii * radius2 ? carried[VALUE] * (float)(radius2 / distance2)
-                                                                  : 0.0f;
+    return distance <= reach_in_radii * radius ? carried[VALUE] * (float)(of_radius * of_radius) : 0.0f;
 }
 
 static pm_status make_field(const estimating *e, field *made)

@@ -60,9 +60,10 @@ double pm__importance_greatest(const pm__importance *importance, pm__map_kind ki
 double pm__importance_threshold(const pm__importance *importance, pm__map_kind kind);
 
 /* Importance at points on surfaces, 1/m2, finite and >= 0: what the nearest importon says which came to the side of
- * normals[i] and carries an estimate, for all points of a cell alike (cells.h: as large as importons lie apart) as for
- * its middle. Farther from it than the importons are that its estimate was made of, that falls with the square of the
- * distance; beyond 16 times as far, or 8 times what is usual, it is 0. For many points at once, from any thread;
+ * normals[i] and carries an estimate, for all points of a cell alike (cells.h: as large as importons lie apart, and 8
+ * times that where there are none) as for its middle. Where all of the cell is farther off than the importons are that
+ * the estimate was made of, it falls with the square of the distance; beyond 16 times as far, or 8 times what is usual,
+ * it is 0. For many points at once, from any thread;
  * positions in m, normals unit. */
 pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
                             const float (*normals)[3], size_t count, float *values);
