@@ -34,6 +34,7 @@ typedef struct pm__command {
     X(render)               \
     X(converge)             \
     X(advise)               \
+    X(stress)               \
     X(estimate)             \
     X(compare)              \
     X(list)                 \

@@ -27,6 +27,11 @@ static void compare(const looking *l)
     const bool rounds = l->hood->rounds;
     const long double unit = (long double)pm_map_unit(l->map);
     l->worst->lookups++;
+    const bool beyond = l->hood->coarse && (l->due->r2 < 0x1p-116L * unit * unit || l->due->r2 > 1e35L * unit * unit);
+    if (beyond && l->due->count) { /* squares that float cannot hold */
+        pm__worst_take(l->worst, 0.0, 0.0, "float ulp", l->what);
+        return;
+    }
     if (rounds && !(l->due->gap > 64 * 0x1p-24L)) {
         l->worst->unclear++;
         return;

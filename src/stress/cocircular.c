@@ -25,5 +25,5 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_cocircular = {
-    .name = "cocircular", .summary = "photons on a circle about the query, exactly", .quick = 12, .full = 72,
+    .name = "cocircular", .summary = "photons on a circle about the query, exactly", .quick = 12, .full = 36,
     .make = make};

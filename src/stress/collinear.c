@@ -27,5 +27,5 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_collinear = {
-    .name = "collinear", .summary = "photons on a line, with none, one or two aside", .quick = 24, .full = 96,
+    .name = "collinear", .summary = "photons on a line, with none, one or two aside", .quick = 24, .full = 48,
     .make = make};

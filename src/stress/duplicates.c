@@ -22,4 +22,4 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_duplicates = {
-    .name = "duplicates", .summary = "many photons in the same few places", .quick = 12, .full = 96, .make = make};
+    .name = "duplicates", .summary = "many photons in the same few places", .quick = 12, .full = 36, .make = make};

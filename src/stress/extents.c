@@ -23,4 +23,4 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_extents = {
-    .name = "extents", .summary = "extents of 1e-30 to 1e30 m", .quick = 12, .full = 96, .make = make};
+    .name = "extents", .summary = "extents of 1e-30 to 1e30 m", .quick = 12, .full = 36, .make = make};

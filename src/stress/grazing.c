@@ -52,4 +52,4 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 
 const pm__stress_test pm__stress_test_grazing = {
     .name = "grazing", .summary = "directions and planes along the surface, normals of any length", .quick = 20,
-    .full = 100, .make = make};
+    .full = 60, .make = make};

@@ -393,5 +393,5 @@ double pm__judge_bound(const pm__judge_request *request, const pm__judged *judge
     const bool hull = is(request, "hull");
     if (request->rounds)
         return hull ? 10.0 : weight_bound(request) + (request->dimensions == 3 ? 7.5 : 5.0) + 2.0;
-    return (hull ? 5.0 * n : n) + weight_bound(request) + 8.0 * maps + 32.0;
+    return (hull ? 5.0 * n : n) + weight_bound(request) + 8.0 * maps + 16.0;
 }

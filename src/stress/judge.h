@@ -23,7 +23,7 @@ typedef struct pm__judged {
     long double radius;       /* m */
     size_t count;
     size_t maps;
-    bool clear; /* nothing was decided by a difference that rounding may turn round */
+    bool clear;    /* nothing was decided by a difference that rounding may turn round */
 } pm__judged;
 
 void pm__judge(const pm__judge_request *request, pm__judged *judged);

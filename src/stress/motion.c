@@ -47,4 +47,4 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_motion = {
-    .name = "motion", .summary = "turned and moved as a whole", .quick = 16, .full = 128, .make = make};
+    .name = "motion", .summary = "turned and moved as a whole", .quick = 16, .full = 48, .make = make};

@@ -18,5 +18,5 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_powers = {
-    .name = "powers", .summary = "powers of 1e-38 to 1e38 W in one neighbourhood", .quick = 12, .full = 96,
+    .name = "powers", .summary = "powers of 1e-38 to 1e38 W in one neighbourhood", .quick = 12, .full = 36,
     .make = make};

@@ -17,7 +17,7 @@ static const char other_forms[] =
     "gaussian:form=normalised,last=none,epanechnikov:last=none,biweight:last=half,differential:trend=3,start=4,"
     "differential:rule=significance,z=1,start=5,last=none,differential:rule=significance,noise=stratified,z=1,"
     "hull:boundary=0,hull:boundary=1,outside=zero,combined:rule=mean,last=none,combined:maps=3,last=half,"
-    "precomputed:form=unbiased,fraction=1,precomputed:when=demand,oracle:last=none";
+    "precomputed:form=unbiased,fraction=1,when=demand,precomputed:form=unbiased,oracle:last=none";
 
 enum { MOST_SEARCHES = 16 };
 
@@ -25,8 +25,6 @@ typedef struct plan {
     const pm__stress_config *config;
     const pm_search *searches[MOST_SEARCHES];
     size_t search_count;
-    pm__spec *specs;
-    size_t spec_count;
     pm__stress_widths widths;
     pm__stress_row *rows;
     size_t row_count;
@@ -44,7 +42,7 @@ static size_t per_estimator(const plan *p)
 
 static size_t row_count_of(const plan *p, const pm__stress_test *test)
 {
-    return test->make ? (1 + p->spec_count) * per_estimator(p) : test->subjects(p->config->full);
+    return test->make ? (1 + p->config->estimator_count) * per_estimator(p) : test->subjects(p->config->full);
 }
 
 static bool wanted(const plan *p, size_t test)
@@ -63,7 +61,7 @@ static void name_subject(const plan *p, size_t estimator, size_t search, size_t 
 {
     char name[PM__MAX_SPEC] = "";
     if (estimator)
-        pm__spec_format(&p->specs[estimator - 1], name, sizeof name);
+        pm__spec_format(&p->config->estimators[estimator - 1], name, sizeof name);
     (void)snprintf(subject, PM__STRESS_SUBJECT, "%s%s%s %s", name, estimator ? " " : "",
                    p->searches[search]->entry.name, pm__simd_name(p->widths.width[width]));
 }
@@ -79,8 +77,11 @@ static void fill_row(const plan *p, const pm__worst *worst, pm__stress_row *row)
     if (nothing && !worst->failed)
         (void)snprintf(row->detail, sizeof row->detail, "rounding decided all of %zu lookups: nothing was compared",
                        worst->lookups);
+    else if (worst->failed)
+        (void)snprintf(row->detail, sizeof row->detail, "%s", worst->detail);
     else
-        (void)snprintf(row->detail, sizeof row->detail, "%.*s", (int)sizeof row->detail - 1, worst->detail);
+        (void)snprintf(row->detail, sizeof row->detail, "%zu lookups, %zu of them decided by rounding; worst: %.130s",
+                       worst->lookups, worst->unclear, worst->detail);
 }
 
 static pm_status ask_sets(const plan *p, size_t estimator, pm__hood *hood, pm__worst *worst)
@@ -89,7 +90,7 @@ static pm_status ask_sets(const plan *p, size_t estimator, pm__hood *hood, pm__w
     pm_status status = PM_OK;
     for (size_t set = 0; set < sets && status == PM_OK; set++) {
         pm__dice dice = {.seed = p->config->seed, .test = p->number, .number = (uint64_t)set << 32};
-        const pm__asking asking = {.hood = hood, .spec = estimator ? &p->specs[estimator - 1] : NULL,
+        const pm__asking asking = {.hood = hood, .spec = estimator ? &p->config->estimators[estimator - 1] : NULL,
                                    .searches = p->searches, .search_count = p->search_count,
                                    .widths = &p->widths, .worst = worst};
         pm__hood_clear(hood);
@@ -143,7 +144,7 @@ static pm_status run_test(plan *p, size_t number)
     p->first = p->rows + p->row_count;
     atomic_store(&p->status, PM_OK);
     if (p->test->make)
-        pm__for(p->config->parallel, 1 + p->spec_count, estimator_task, p);
+        pm__for(p->config->parallel, 1 + p->config->estimator_count, estimator_task, p);
     else
         pm__for(p->config->parallel, row_count_of(p, p->test), subject_task, p);
     const pm_status status = (pm_status)atomic_load(&p->status);
@@ -171,20 +172,12 @@ pm_status pm__stress_widths_here(pm__stress_widths *widths, pm_error *error)
     return status;
 }
 
-static pm_status take_specs(plan *p)
+pm_status pm__stress_estimators(bool full, pm__spec **specs, size_t *count)
 {
-    const pm__stress_config *const c = p->config;
-    pm_status status = PM_OK;
-    if (c->estimators) {
-        p->specs = calloc(c->estimator_count + 1, sizeof *p->specs);
-        for (; p->specs && p->spec_count < c->estimator_count; p->spec_count++)
-            p->specs[p->spec_count] = c->estimators[p->spec_count];
-        return p->specs ? PM_OK : PM_ENOMEM;
-    }
-    status = pm__spec_parse_list(&pm__estimators, "all", &p->specs, &p->spec_count, NULL);
-    if (status == PM_OK && c->full)
-        status = pm__spec_parse_list(&pm__estimators, other_forms, &p->specs, &p->spec_count, NULL);
-    return status;
+    *specs = NULL;
+    *count = 0;
+    const pm_status status = pm__spec_parse_list(&pm__estimators, "all", specs, count, NULL);
+    return status == PM_OK && full ? pm__spec_parse_list(&pm__estimators, other_forms, specs, count, NULL) : status;
 }
 
 static void take_searches(plan *p)
@@ -202,12 +195,11 @@ static pm_status prepare(plan *p, pm_error *error)
     pm_status status = pm__stress_widths_here(&p->widths, error);
     if (status != PM_OK)
         return status;
-    status = take_specs(p);
     take_searches(p);
     for (size_t t = 0; t < pm__stress_test_count(); t++)
         rows += wanted(p, t) ? row_count_of(p, pm__stress_tests[t]) : 0;
-    p->rows = status == PM_OK ? calloc(rows + 1, sizeof *p->rows) : NULL;
-    return p->rows ? PM_OK : pm__fail(error, status ? status : PM_ENOMEM, "out of memory for %zu rows", rows);
+    p->rows = calloc(rows + 1, sizeof *p->rows);
+    return p->rows ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory for %zu rows", rows);
 }
 
 pm_status pm__stress_run(const pm__stress_config *config, pm__stress_row **rows, size_t *count, pm_error *error)
@@ -225,7 +217,6 @@ pm_status pm__stress_run(const pm__stress_config *config, pm__stress_row **rows,
         if (status != PM_OK && status != PM_ECANCELED)
             (void)pm__fail(error, status, "%s: %s", pm__stress_tests[t]->name, pm_status_text(status));
     }
-    free(p.specs);
     if (status != PM_OK && status != PM_ECANCELED) {
         free(p.rows);
         return status;

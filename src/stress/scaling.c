@@ -17,5 +17,5 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_scaling = {
-    .name = "scaling", .summary = "lengths and powers times powers of two: the same bits", .quick = 16, .full = 128,
+    .name = "scaling", .summary = "lengths and powers times powers of two: the same bits", .quick = 16, .full = 48,
     .make = make};

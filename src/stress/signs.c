@@ -32,4 +32,4 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_signs = {
-    .name = "signs", .summary = "zero, negative and denormal powers", .quick = 10, .full = 100, .make = make};
+    .name = "signs", .summary = "zero, negative and denormal powers", .quick = 10, .full = 30, .make = make};

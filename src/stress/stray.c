@@ -12,8 +12,9 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
     pm__hood_scatter(hood, dice, 200, 1000, set % 2 == 1);
     hood->query.max_radius = 400.0f / PM__HOOD_STEPS;
     if (query) {
+        const double reach = set / 18 % 2 || set % 2 == 0 ? 0.5 : 2.0; /* none, or all */
         hood->query.position[0] = (float)distance;
-        hood->query.max_radius = (float)(distance < 1e38 ? 2.0 * distance : distance);
+        hood->query.max_radius = (float)(distance < 1e38 ? reach * distance : 0.5 * distance);
         hood->rounds = true;
     } else {
         pm__hood_add(hood, dice, 0, 0, 0);

@@ -20,8 +20,9 @@
  *              biweight 7 (squared, and rounded); cone 5 (1 and t/k: root, product, difference); gaussian 512: its
  *              polynomial is good to 1.5e-14 = 135 u and rounds by some 60 u more, in print's form half of both, squared
  *              for pavicic twice
- *   + 32       measure (pi, products, a root in space), the kernel's norm, division
- * hull: its area is a sum of at most n triangles about a corner, each of two products: 5 n + 32, magnitudes being those
+ *   + 16       measure (pi 1, products 3, a root in space 1), the kernel's norm and its product 4, division 1, a share
+ *              and its product 2: 12 at most
+ * hull: its area is a sum of at most n triangles about a corner, each of two products: 5 n + 16, magnitudes being those
  * of products over the area. combined: 8 more for each map.
  * In single precision a difference of coordinates errs by v = 2^-24, its square by 3 v, the sum of three by 5 v, and so
  * r^2 by 5 v, areas by 5 v and volumes by 7.5 v, and d^2/r^2 by 10 v. A weight's slope by t^2 carries the latter on:
@@ -46,7 +47,7 @@ typedef struct pm__stress_row {
 
 typedef struct pm__stress_config {
     const bool *tests;           /* [pm__stress_test_count]: which; NULL: all */
-    const pm__spec *estimators;  /* NULL: all, with their defaults, and in the full profile the other forms */
+    const pm__spec *estimators;
     size_t estimator_count;
     const pm_search *const *searches; /* NULL: all */
     size_t search_count;
@@ -58,6 +59,10 @@ typedef struct pm__stress_config {
     bool (*canceled)(void *context);                                    /* may be NULL; asked by several threads */
     void *context;
 } pm__stress_config;
+
+/* What is run unless the user says otherwise: all, with their defaults, and in the full profile other forms too. The
+ * caller's to free. ENOMEM. */
+pm_status pm__stress_estimators(bool full, pm__spec **specs, size_t *count);
 
 /* The rows, in the order of the tests, then of estimators, searches, widths; the caller's to free. Do not depend on
  * threads. ECANCELED: the tests that were complete. ENOMEM, EINVAL (PHOTONBENCH_SIMD). */

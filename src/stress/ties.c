@@ -28,4 +28,4 @@ static void make(pm__hood *hood, size_t set, pm__dice *dice)
 }
 
 const pm__stress_test pm__stress_test_ties = {
-    .name = "ties", .summary = "equal distances, more than are asked for", .quick = 16, .full = 96, .make = make};
+    .name = "ties", .summary = "equal distances, more than are asked for", .quick = 16, .full = 32, .make = make};
