@@ -1,6 +1,6 @@
-/* Every test, one row each, in the order in which tables show them. Beside the rows: list.c (this list as data); run.c
- * (rows from sets), ask.c and ask_search.c (the library is asked), judge.c, judge_find.c and judge_hull.c (what is due),
- * hood.c (sets of photons). */
+/* Every test, one row each, in the order in which tables show them.
+ * Beside the rows: list.c (this list as data); run.c (rows from sets); ask.c and ask_search.c (the library is asked);
+ * judge.c, judge_find.c and judge_hull.c (what is due); hood.c (sets of photons). */
 #define PM_STRESS_LIST(X) \
     X(duplicates)         \
     X(ties)               \

@@ -15,13 +15,12 @@
  *
  * Bounds. With u = 2^-53 a sum of n terms in the order delivered errs by (n - 1) u of their magnitudes, and ulp(x) is
  * at least u |x|, so a relative error of c u is at most c ulps:
- *   n          the sum, its last share and product, n being the photons found
- *   + w        a weight, by terms that t^2 = d^2/r^2 with two roundings enters: disc 0; epanechnikov 3 (1 and t^2);
- *              biweight 7 (squared, and rounded); cone 5 (1 and t/k: root, product, difference); gaussian 512: its
- *              polynomial is good to 1.5e-14 = 135 u and rounds by some 60 u more, in print's form half of both, squared
- *              for pavicic twice
- *   + 16       measure (pi 1, products 3, a root in space 1), the kernel's norm and its product 4, division 1, a share
- *              and its product 2: 12 at most
+ *   n     the sum, its last share and product, n being the photons found
+ *   + w   a weight, by terms that t^2 = d^2/r^2 enters with two roundings: disc 0; epanechnikov 3 (1 and t^2); biweight
+ *         7 (squared, and rounded); cone 5 (1 and t/k: root, product, difference); gaussian 512: its polynomial is good
+ *         to 1.5e-14 = 135 u and rounds by some 60 u more; pavicic's form is its square, twice that; norm 30
+ *   + 16  measure (pi 1, products 3, a root in space 1), the kernel's norm and its product 4, division 1, a share and
+ *         its product 2: 12 at most
  * hull: its area is a sum of at most n triangles about a corner, each of two products: 5 n + 16, magnitudes being those
  * of products over the area. combined: 8 more for each map.
  * In single precision a difference of coordinates errs by v = 2^-24, its square by 3 v, the sum of three by 5 v, and so

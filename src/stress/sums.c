@@ -139,10 +139,11 @@ static void compare(const pm__spec *due, const terms *t, const double result[3],
     pm__judge(&request, &judged);
     row->measured = 0.0;
     for (int c = 0; c < 3; c++)
-        row->measured = fmax(row->measured, pm__ulps(result[c], TIMES * judged.value[c], TIMES * judged.magnitude[c], 53));
+        row->measured =
+            fmax(row->measured, pm__ulps(result[c], TIMES * judged.value[c], TIMES * judged.magnitude[c], 53));
     judged.count *= TIMES;
     row->bound = pm__judge_bound(&request, &judged);
-    (void)snprintf(row->detail, sizeof row->detail, "%zu photons, %zu of them different", judged.count, (size_t)PATTERN);
+    (void)snprintf(row->detail, sizeof row->detail, "%zu photons, %d of them different", judged.count, PATTERN);
 }
 
 static pm_status measure(size_t subject, const pm__stress_config *config, pm__stress_row *row)

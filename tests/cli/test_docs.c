@@ -15,7 +15,7 @@ enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 static const char *const page_paths[] = {"README.md",        "docs/accuracy.md", "docs/search.md",  "docs/compare.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
                                          "docs/scenes.md",   "docs/render.md",   "docs/speed.md",
-                                         "docs/converge.md", "docs/advise.md"};
+                                         "docs/converge.md", "docs/advise.md", "docs/stress.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -71,8 +71,8 @@ END_TEST
 START_TEST(options_are_documented)
 {
     static const char *const commands[] = {"accuracy", "search",   "speed", "render",
-                                           "converge", "advise", "compare", "estimate", "list"};
-    for (int c = 0; c < 9; c++) {
+                                           "converge", "advise", "stress", "compare", "estimate", "list"};
+    for (int c = 0; c < 10; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
         (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
@@ -117,6 +117,7 @@ START_TEST(fields_are_documented)
     check_fields("converge water --size 4x4 --trials 2 --passes 2 --photons-per-pass 200 --k 5 --at 1,1 --json -",
                  "docs/converge.md");
     check_fields("advise gradient --error 20% --estimator disc:last=none --probes 20 --json -", "docs/advise.md");
+    check_fields("stress --test single --estimator disc --quiet --json -", "docs/stress.md");
     check_fields("list cases --json -", "docs/list.md");
 }
 END_TEST
