@@ -19,6 +19,7 @@ typedef struct pm__neighbors {
     const float (*flux)[3];  /* W (x BRDF) */
     const float (*offset)[3]; /* photon - query point, map units; NULL unless PM__OFFSETS */
     double radius2;          /* of the region, map units squared: of the k-th photon, or of the cut */
+    bool blurred;            /* single precision cannot tell these distances: there is no estimate, EDEGENERATE */
 } pm__neighbors;
 
 /* A whole lookup: one set of neighbours a map. */

@@ -209,7 +209,8 @@ typedef struct pm_neighbor {
 } pm_neighbor;
 
 /* Finds the k nearest photons that the query accepts, exactly; equal distances go to the lower caller's
- * index. Each search algorithm finds the same set; EINVAL where the map was not made for the query's.
+ * index. Distances are what single precision makes of them in map units: within 5 * 2^-24 of their squares, and
+ * equal below 2^-75. Each search algorithm finds the same set; EINVAL where the map was not made for the query's.
  * neighbors: the caller's buffer of `capacity` entries; with k > 0 capacity must be >= min(k, pm_map_count). *count:
  * how many were found. With k = 0 and more in the sphere than fit: ETRUNCATED, *count says how many there are, the
  * buffer's content is undefined.
@@ -280,9 +281,12 @@ typedef struct pm_estimation {
 
 /* One estimate. An empty neighbourhood is 0 with PM_OK. Where max_radius comes before the k-th photon
  * the region is the whole max_radius and every photon counts in full. EDEGENERATE: the photons span no
- * area (all at distance 0, a flat hull). EINVAL: maps, dimensions or k that the estimator cannot use
- * (`combined` wants k >= 3 a map). Sums run in double; relative error of a sum of n equal powers
- * below (n + 10) * 2^-53 plus 4 * 2^-24 of rounding in r squared. Cost: the search, then O(k). */
+ * area (all at distance 0; a hull of no more than 2^-23 of its width squared), or single precision cannot tell
+ * how far they are: a region below 2^-60, a query beyond 1e18 of pm_map_unit. EINVAL: maps, dimensions or k that
+ * the estimator cannot use (`combined` wants k >= 3 a map). Sums run in double: relative error of a sum of n equal
+ * powers below (n + 16) * 2^-53, beside r squared, which in single precision errs by 5 * 2^-24 at most and not at
+ * all where its squares fit 24 bits; src/stress/stress.h has the bound of each estimator. Cost: the search, then
+ * O(k). */
 PM_API pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, const pm_query *query,
                              pm_workspace *workspace, pm_estimation *estimation);
 

@@ -35,6 +35,7 @@ typedef struct pm__command {
     X(storage)              \
     X(converge)             \
     X(advise)               \
+    X(stress)               \
     X(estimate)             \
     X(compare)              \
     X(list)                 \

@@ -81,6 +81,7 @@ typedef struct pm__settings {
     size_t radius_hits, samples;
     double seconds;
     unsigned quantities;   /* of `speed`: bit q for pm__quantity q */
+    unsigned stress_tests, stress_searches; /* of `stress`: a bit each; 0: not given */
     pm__render_options render;
     pm__converge_options converge;
     pm__advise_options advise;

@@ -67,11 +67,14 @@ pm_status pm__evaluate(const pm__spec *spec, const pm__lookup *lookup, pm_worksp
 {
     const pm__estimator *const estimator = pm__estimator_of(spec);
     size_t found = 0;
-    for (size_t s = 0; s < lookup->set_count; s++)
+    bool blurred = false;
+    for (size_t s = 0; s < lookup->set_count; s++) {
         found += lookup->sets[s].count;
+        blurred |= lookup->sets[s].blurred;
+    }
     result[0] = result[1] = result[2] = 0.0;
-    if (!found)
-        return PM_OK;
+    if (!found || blurred)
+        return blurred ? PM_EDEGENERATE : PM_OK;
     pm__lookup with_scratch = *lookup;
     pm_status status = provide_scratch(estimator, found, workspace, &with_scratch);
     if (status == PM_OK)

@@ -104,6 +104,25 @@ static float read_photons(const pm_map *map, const float from[3], const pm_neigh
     return farthest;
 }
 
+/* Squares of distances below 2^-60 map units lose digits and then vanish, and a query beyond 1e18 units was brought
+ * nearer (pm__in_frame): which photons were found means nothing then. Photons at the very point are no such case. */
+static bool is_blurred(const pm_map *map, const pm_query *query, const pm_neighbor *neighbors, size_t count,
+                       double region2, float farthest)
+{
+    if (!count || (region2 >= 0x1p-120 && farthest < 0.99e36f))
+        return false;
+    if (region2 > 0.0)
+        return true;
+    for (size_t i = 0; i < count; i++) {
+        float position[3];
+        pm__position(map, neighbors[i].number, position);
+        for (int a = 0; a < 3; a++)
+            if (position[a] != pm__in_frame(map, a, query->position[a]))
+                return true;
+    }
+    return false;
+}
+
 /* The neighbours of a query as set number `set`. from: as of read_photons. */
 static pm_status gather_neighbors(const pm_map *map, const pm_query *query, const float from[3],
                                   const pm_neighbor *neighbors, size_t count, const pm__gathering *gathering,
@@ -115,14 +134,16 @@ static pm_status gather_neighbors(const pm_map *map, const pm_query *query, cons
     const pm_status status = pm__workspace_reserve(workspace, first + count, set + 1);
     if (status != PM_OK)
         return status;
-    const double farthest = (double)read_photons(map, from, neighbors, count, gathering, workspace, first);
+    const float farthest = read_photons(map, from, neighbors, count, gathering, workspace, first);
     const double radius = (double)query->max_radius / gathering->unit, scale = map->unit / gathering->unit;
     const bool cut = !query->k || (count < query->k && !isinf(query->max_radius));
+    const double own_radius = (double)query->max_radius * map->inverse_unit;
     workspace->first[set] = first;
     workspace->sets[set] = (pm__neighbors){
         .count = count,
         .cut = cut,
-        .radius2 = cut ? radius * radius : farthest * (scale * scale),
+        .radius2 = cut ? radius * radius : (double)farthest * (scale * scale),
+        .blurred = is_blurred(map, query, neighbors, count, cut ? own_radius * own_radius : (double)farthest, farthest),
     };
     return PM_OK;
 }

@@ -9,10 +9,13 @@
  * a zero normal where one is needed, a side asked of a map without directions. */
 pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query *prepared, pm_error *error);
 
-/* A coordinate, m, in the map's frame: a float that no sum of three squares overflows. */
+/* Map units from the centre: no sum of three squares overflows. */
+static const double pm__frame_limit = 1e18;
+
+/* A coordinate, m, in the map's frame: a float, brought nearer where it is beyond the limit. */
 static inline float pm__in_frame(const pm_map *map, int axis, float x)
 {
-    const double limit = 1e18, framed = ((double)x - map->centre[axis]) * map->inverse_unit;
+    const double limit = pm__frame_limit, framed = ((double)x - map->centre[axis]) * map->inverse_unit;
     const double above = framed > -limit ? framed : -limit;
     return (float)(above < limit ? above : limit);
 }

@@ -46,6 +46,20 @@ static pm_status prepare_shape(const pm_map *map, const pm_query *query, pm__que
     return pm__fail(error, PM_EINVAL, "lookup shape %d is none", (int)query->shape);
 }
 
+/* The squared limit of a lookup by radius from `position`, in the map's frame. A query beyond pm__frame_limit is looked
+ * up from there; photons, which lie within 1 of the centre, are then all within the radius, or none is. */
+static float limit_of(const pm_map *map, const pm_query *query, const float position[3])
+{
+    const double radius = (double)query->max_radius * map->inverse_unit;
+    const float largest = fmaxf(fabsf(position[0]), fmaxf(fabsf(position[1]), fabsf(position[2])));
+    if (largest < (float)pm__frame_limit)
+        return squared(radius);
+    double reach = 0.0;
+    for (int a = 0; a < 3; a++)
+        reach = fmax(reach, fabs(((double)query->position[a] - map->centre[a]) * map->inverse_unit));
+    return radius < reach ? 0.0f : FLT_MAX;
+}
+
 static bool finite3(const float v[3])
 {
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
@@ -69,7 +83,7 @@ pm_status pm__query_prepare(const pm_map *map, const pm_query *query, pm__query 
         prepared->k = 1; /* an empty map: any k will do, 0 would mean a fixed radius */
     for (int a = 0; a < 3; a++)
         prepared->position[a] = pm__in_frame(map, a, query->position[a]);
-    prepared->max_distance2 = squared(radius * map->inverse_unit);
+    prepared->max_distance2 = limit_of(map, query, prepared->position);
     if (query->front_only || query->shape != PM_LOOKUP_SPHERE) {
         double n[3] = {(double)query->normal[0], (double)query->normal[1], (double)query->normal[2]};
         if (!finite3(query->normal) || !(pm__normalize(n) > 0.0))
@@ -179,12 +193,12 @@ pm_status pm__search_within(const pm_map *map, const pm_query *queries, size_t c
         const pm_query *const query = &queries[i];
         if (!(query->max_radius >= 0.0f) || (query->front_only && !pm__has_directions(map)))
             return PM_EINVAL;
-        prepared[i] = (pm__query){.prune_scale = 1.0f, .front_only = query->front_only,
-                                  .max_distance2 = squared((double)query->max_radius * map->inverse_unit)};
+        prepared[i] = (pm__query){.prune_scale = 1.0f, .front_only = query->front_only};
         for (int a = 0; a < 3; a++) {
             prepared[i].position[a] = pm__in_frame(map, a, query->position[a]);
             prepared[i].normal[a] = query->normal[a];
         }
+        prepared[i].max_distance2 = limit_of(map, query, prepared[i].position);
         results[i] = (pm__result){.list = neighbors + i * stride, .capacity = stride,
                                   .bound = prepared[i].max_distance2, .ids = map->ids};
     }

@@ -16,7 +16,8 @@ enum { PAGE_SIZE = 1 << 18, LONGEST_LINE = 110 };
 static const char *const page_paths[] = {"README.md",        "docs/accuracy.md", "docs/search.md",  "docs/compare.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
                                          "docs/scenes.md",   "docs/render.md",   "docs/speed.md",
-                                         "docs/converge.md", "docs/advise.md",   "docs/storage.md"};
+                                         "docs/converge.md", "docs/advise.md",   "docs/storage.md",
+                                         "docs/stress.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -72,8 +73,9 @@ END_TEST
 START_TEST(options_are_documented)
 {
     static const char *const commands[] = {"accuracy", "search",   "speed", "render",
-                                           "converge", "advise", "compare", "estimate", "list", "storage"};
-    for (int c = 0; c < 10; c++) {
+                                           "converge", "advise", "compare", "estimate", "list", "storage",
+                                           "stress"};
+    for (size_t c = 0; c < sizeof commands / sizeof *commands; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
         (void)snprintf(path, sizeof path, "docs/%s.md", commands[c]);
@@ -120,6 +122,7 @@ START_TEST(fields_are_documented)
     check_fields("advise gradient --error 20% --estimator disc:last=none --probes 20 --json -", "docs/advise.md");
     check_fields("storage torus --spp 4 --photons 500 --trials 2 --paths 1000 --policy all --json -",
                  "docs/storage.md");
+    check_fields("stress --test single --estimator disc --quiet --json -", "docs/stress.md");
     check_fields("list cases --json -", "docs/list.md");
 }
 END_TEST
