@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEAR = 50, AT_ONCE = 32, PIECE = 512 };
+enum { NEAR = 50, AT_ONCE = 32, PIECE = 512, MOST = 32768 };
 
 /* Of the median of those about it: what a photon may carry. */
 static const double most_of_median = 2.0;
@@ -77,6 +77,7 @@ typedef struct field {
     size_t count;             /* of all */
     double (*powers)[3];      /* units */
     _Atomic float *most;      /* units, all bands: what it may carry; INFINITY: it is near no important photon */
+    pm_neighbor *near;        /* room for MOST */
     unsigned char *whole;     /* 1: chance has no say */
     _Atomic pm_status status;
 } field;
@@ -206,24 +207,21 @@ static double give(field *f, size_t i, const pm_neighbor *near, size_t count, bo
     return excess;
 }
 
-/* *left: whether it could not give all. */
-static pm_status relieve(field *f, size_t i, bool *left)
+static pm_status relieve(field *f, size_t i)
 {
-    enum { STEPS = 5, MOST = 4096 };
-    static const size_t steps[STEPS] = {8, 32, 128, 512, MOST};
+    enum { STEPS = 6 };
+    static const size_t steps[STEPS] = {8, 32, 128, 512, 4096, MOST};
     static const double nothing = 1e-9;
     const double has = sum_of(f->powers[i]);
     double excess = has - (double)f->most[i];
     for (int step = 0; step < STEPS && excess > nothing * has; step++) {
-        pm_neighbor near[MOST];
         size_t found = 0;
         const pm_query query = query_of(f, i, steps[step]);
-        const pm_status status = pm_map_search(f->map, &query, near, MOST, &found);
+        const pm_status status = pm_map_search(f->map, &query, f->near, MOST, &found);
         if (status != PM_OK)
             return status;
-        excess = give(f, i, near, found, steps[step] == MOST, excess);
+        excess = give(f, i, f->near, found, steps[step] > 512, excess);
     }
-    *left = *left || excess > nothing * has;
     return PM_OK;
 }
 
@@ -266,7 +264,8 @@ static pm_status create(field *f)
     f->powers = pm__alloc(most, sizeof *f->powers);
     f->most = pm__alloc(most, sizeof *f->most);
     f->whole = pm__alloc_zero(most, 1);
-    pm_status status = photons && f->behind && f->powers && f->most && f->whole ? PM_OK : PM_ENOMEM;
+    f->near = pm__alloc(MOST, sizeof *f->near);
+    pm_status status = photons && f->behind && f->powers && f->most && f->whole && f->near ? PM_OK : PM_ENOMEM;
     if (status == PM_OK) {
         set_up(f, photons);
         status = pm_map_create(photons, f->count, &options, &f->map, s->error);
@@ -312,18 +311,21 @@ static pm_status put_back(field *f)
     return PM_OK;
 }
 
-/* Medians rise where many are powerful, so what could not be given may be given next time. */
+/* Giving changes medians: they rise by what is received, and fall where those above them give to others. */
 static pm_status level(field *f)
 {
-    enum { TIMES = 4 };
-    bool left = true;
+    enum { TIMES = 6 };
+    static const double slack = 1.001;
+    bool again = true;
     pm_status status = PM_OK;
-    for (int time = 0; time < TIMES && left && status == PM_OK; time++) {
-        left = false;
+    for (int time = 0; time < TIMES && again && status == PM_OK; time++) {
+        again = false;
         status = find_bounds(f);
         for (size_t i = f->storage->settled; i < f->count && status == PM_OK; i++)
-            if (sum_of(f->powers[i]) > (double)f->most[i])
-                status = relieve(f, i, &left);
+            if (sum_of(f->powers[i]) > slack * (double)f->most[i]) {
+                again = true;
+                status = relieve(f, i);
+            }
     }
     return status;
 }
@@ -343,5 +345,6 @@ pm_status pm__level_end(pm__storage *storage)
     free(f.powers);
     free(f.most);
     free(f.whole);
+    free(f.near);
     return status;
 }

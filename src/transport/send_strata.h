@@ -46,13 +46,15 @@ pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals
  * itself, from all of them. Where that cannot be, strays are stored. The powers of the stock must be final. */
 pm_status pm__share_strays(pm__storage *storage);
 
-#define PM__STRATA_PARAMS                                                                                      \
-    {"strata", PM__INTEGER, 64.0, 1.0, 65536.0, "", NULL, "of each light's emission; a power of two of them"}, \
-        {"tests", PM__INTEGER, 8.0, 1.0, 4096.0, "", NULL, "trial photons of each stratum"}
-#define PM__SETS_PARAMS                                                                                             \
-    PM__STRATA_PARAMS,                                                                                              \
-        {"ratio", PM__REAL, 16.0, 1.0, 1e4, "", NULL, "of photons of strata that matter to those of others"},       \
+#define PM__STRATA_PARAMS_OF(strata, tests)                                                                        \
+    {"strata", PM__INTEGER, strata, 1.0, 65536.0, "", NULL, "of each light's emission; a power of two of them"},   \
+        {"tests", PM__INTEGER, tests, 1.0, 4096.0, "", NULL, "trial photons of each stratum"}
+#define PM__SETS_PARAMS_OF(strata, tests, ratio)                                                                    \
+    PM__STRATA_PARAMS_OF(strata, tests),                                                                            \
+        {"ratio", PM__REAL, ratio, 1.0, 1e4, "", NULL, "of photons of strata that matter to those of others"},      \
         {"strays", PM__CHOICE, 0, 0, 1, "", "share|keep", "powerful photons where it matters: shared out, or stored"}
+#define PM__STRATA_PARAMS PM__STRATA_PARAMS_OF(64.0, 8.0)
+#define PM__SETS_PARAMS PM__SETS_PARAMS_OF(64.0, 8.0, 16.0)
 enum { PM__STRATA_PARAM_COUNT = 2, PM__SETS_PARAM_COUNT = 4 };
 
 #endif

@@ -4,7 +4,7 @@
 #include "../send_strata.h"
 
 static const pm__param params[] = {
-    PM__SETS_PARAMS,
+    PM__SETS_PARAMS_OF(8.0, 16.0, 16.0),
     {"sets", PM__CHOICE, 0, 0, 1, "", "graded|two", "of strata: by what trial photons found, or large and small ones"},
     {"form", PM__CHOICE, 0, 0, 1, "", "unbiased|printed", "trial photons decide alone, or are the small sets"},
 };
