@@ -16,15 +16,14 @@ typedef struct drawing {
     float *factors; /* of the powers; 0: not kept */
 } drawing;
 
-static float draw(const drawing *d, size_t i)
+float pm__chance_factor(const pm__storage *storage, const pm__arrivals *arrivals, pm__chance of, size_t i)
 {
-    const pm__arrivals *const arrivals = d->arrivals;
-    const double chance = d->chance(d->storage, arrivals, i);
+    const double chance = of(storage, arrivals, i);
     double u[3];
     if (chance >= 1.0)
         return 1.0f;
-    pm__random_triple(d->storage->config->seed, PM__FOR_STORING, d->storage->trial,
-                      arrivals->first + arrivals->numbers[i], (uint32_t)(i - pm__path_begin(arrivals, i)), u);
+    pm__random_triple(storage->config->seed, PM__FOR_STORING, storage->trial, arrivals->first + arrivals->numbers[i],
+                      (uint32_t)(i - pm__path_begin(arrivals, i)), u);
     return u[0] < chance ? (float)(1.0 / chance) : 0.0f;
 }
 
@@ -33,7 +32,7 @@ static void draw_piece(void *argument, size_t piece)
     const drawing *const d = argument;
     const size_t end = (piece + 1) * PIECE < d->arrivals->count ? (piece + 1) * PIECE : d->arrivals->count;
     for (size_t i = piece * PIECE; i < end; i++)
-        d->factors[i] = draw(d, i);
+        d->factors[i] = pm__chance_factor(d->storage, d->arrivals, d->chance, i);
 }
 
 static void add(pm__stock *stock, const pm__arrivals *arrivals, size_t i, float factor)

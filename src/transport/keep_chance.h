@@ -11,4 +11,7 @@ typedef double (*pm__chance)(const pm__storage *storage, const pm__arrivals *arr
 /* As pm__keeping's keep. chance NULL: all are kept. */
 pm_status pm__keep_by_chance(pm__storage *storage, const pm__arrivals *arrivals, pm__chance chance, size_t *taken);
 
+/* What its power is multiplied with there; 0: it is not kept. */
+float pm__chance_factor(const pm__storage *storage, const pm__arrivals *arrivals, pm__chance chance, size_t i);
+
 #endif

@@ -1,6 +1,7 @@
 #include "send_strata.h"
 
 #include "../base/memory.h"
+#include "../base/parallel.h"
 #include "harvest.h"
 
 #include <math.h>
@@ -9,10 +10,15 @@
 
 /* ---- Trial photons ------------------------------------------------------------------------------ */
 
+/* Photons that are looked up at once. */
+enum { PIECE = 1024 };
+
 typedef struct trial {
     pm__harvest photons;
+    float (*positions)[3];
     float *importance;
     double *found;   /* importance that the photons of each stratum came to, 1/m2, the sum */
+    double *worth;   /* the same over the mean of importons, a photon at most 1: about how many matter */
     bool *important; /* strata of which a photon came to an important place */
 } trial;
 
@@ -36,18 +42,38 @@ static pm_status trace_trial(pm__storage *s, trial *t)
     return status;
 }
 
+typedef struct looking {
+    const pm__storage *storage;
+    const trial *trial;
+    _Atomic pm_status *status;
+} looking;
+
+static void look_piece(void *argument, size_t piece)
+{
+    const looking *const l = argument;
+    const pm__storing_config *const config = l->storage->config;
+    const pm__harvest *const h = &l->trial->photons;
+    const size_t begin = piece * PIECE, count = h->count - begin < PIECE ? h->count - begin : PIECE;
+    for (size_t i = begin; i < begin + count; i++)
+        memcpy(l->trial->positions[i], h->photons[i].position, sizeof l->trial->positions[i]);
+    const pm_status status = pm__importance_at(config->importance, config->kind,
+                                               (const float(*)[3])l->trial->positions + begin,
+                                               (const float(*)[3])h->normals + begin, count,
+                                               l->trial->importance + begin);
+    if (status != PM_OK)
+        *l->status = status;
+}
+
 static pm_status look_up(const pm__storage *s, trial *t)
 {
-    const pm__harvest *const h = &t->photons;
-    float (*const positions)[3] = pm__alloc(h->count, sizeof *positions);
-    t->importance = pm__alloc(h->count, sizeof *t->importance);
-    pm_status status = positions && t->importance ? PM_OK : PM_ENOMEM;
-    for (size_t i = 0; i < h->count && status == PM_OK; i++)
-        memcpy(positions[i], h->photons[i].position, sizeof positions[i]);
-    if (status == PM_OK)
-        status = pm__importance_at(s->config->importance, s->config->kind, (const float(*)[3])positions,
-                                   (const float(*)[3])h->normals, h->count, t->importance);
-    free(positions);
+    const size_t count = t->photons.count;
+    _Atomic pm_status status = PM_OK;
+    looking l = {s, t, &status};
+    t->positions = pm__alloc(count, sizeof *t->positions);
+    t->importance = pm__alloc(count, sizeof *t->importance);
+    if (!t->positions || !t->importance)
+        return PM_ENOMEM;
+    pm__for(s->config->parallel, (count + PIECE - 1) / PIECE, look_piece, &l);
     return status;
 }
 
@@ -55,12 +81,15 @@ static pm_status sum_up(const pm__storage *s, trial *t)
 {
     const pm__strata *const strata = &s->sender->strata;
     t->found = pm__alloc_zero(strata->count, sizeof *t->found);
+    t->worth = pm__alloc_zero(strata->count, sizeof *t->worth);
     t->important = pm__alloc_zero(strata->count, sizeof *t->important);
-    if (!t->found || !t->important)
+    if (!t->found || !t->worth || !t->important)
         return PM_ENOMEM;
+    const double mean = pm__importance_mean(s->config->importance, s->config->kind);
     for (size_t i = 0; i < t->photons.count; i++) {
         const size_t stratum = t->photons.numbers[i] / strata->tests;
         t->found[stratum] += (double)t->importance[i];
+        t->worth[stratum] += mean > 0.0 ? fmin(1.0, (double)t->importance[i] / mean) : 0.0;
         t->important[stratum] = t->important[stratum] || (double)t->importance[i] >= s->threshold;
     }
     return PM_OK;
@@ -77,8 +106,10 @@ static pm_status run_trial(pm__storage *s, trial *t)
 static void free_trial(trial *t)
 {
     pm__harvest_free(&t->photons);
+    free(t->positions);
     free(t->importance);
     free(t->found);
+    free(t->worth);
     free(t->important);
 }
 
@@ -125,13 +156,37 @@ static pm_status keep_printed(pm__storage *s, const trial *t)
     return PM_OK;
 }
 
+/* Worth of a photon of each stratum: of its own trial photons, and of those of its whole light as if they were one more,
+ * for chance has too much to say in a few. */
+static double worth_of(const pm__storage *s, const trial *t, size_t stratum)
+{
+    const pm__strata *const strata = &s->sender->strata;
+    const size_t light = strata->items[stratum].light;
+    size_t begin = stratum, end = stratum;
+    double all = 0.0;
+    while (begin > 0 && strata->items[begin - 1].light == light)
+        begin--;
+    while (end < strata->count && strata->items[end].light == light)
+        end++;
+    for (size_t i = begin; i < end; i++)
+        all += t->worth[i];
+    const double tests = (double)strata->tests, one = all / ((double)(end - begin) * tests);
+    return (t->worth[stratum] + one) / (tests + 1.0);
+}
+
+/* The variance of a sum is least for its cost where strata send in proportion to the root of the mean square of what a
+ * photon of theirs adds: where a share w of equal photons matters, to the root of w. */
 static void share_sets(pm__storage *s, const trial *t, double *shares)
 {
     const double ratio = pm__policy_value(s, "ratio", 1.0);
-    const bool printed = pm__policy_value(s, "form", 0.0) == 1.0;
+    const bool printed = pm__policy_value(s, "form", 0.0) == 1.0, two = pm__policy_value(s, "sets", 1.0) == 1.0;
     for (size_t i = 0; i < s->sender->strata.count; i++) {
         const double even = evenly(s, i), few = fmax(even / ratio, fmin(even, 1.0));
-        shares[i] = t->important[i] ? even : printed ? 0.0 : few;
+        const double graded = fmax(few, even * fmin(1.0, sqrt(worth_of(s, t, i))));
+        if (printed)
+            shares[i] = t->important[i] ? even : 0.0;
+        else
+            shares[i] = !two ? graded : t->important[i] ? even : few;
     }
 }
 

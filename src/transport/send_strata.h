@@ -20,7 +20,8 @@ typedef struct pm__sender {
 
 /* Parameters `strata`, `tests`. Strata of which a trial photon comes to an important place send what even sending would
  * of config->emitted photons, others 1/`ratio` of that, but no fewer than one or what they would: so photons from them
- * carry up to `ratio` times the power. Photons are fresh, so that nothing is biased. With `form=printed` strata in vain
+ * carry up to `ratio` times the power. With `sets=graded` strata send by what trial photons found, from so few to so
+ * many. Photons are fresh, so that nothing is biased. With `form=printed` strata in vain
  * send none: what their trial photons stored is stored, each for its share of the stratum (erratum 38). */
 extern const pm__sending pm__send_sets;
 
@@ -46,13 +47,15 @@ pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals
  * itself, from all of them. Where that cannot be, strays are stored. The powers of the stock must be final. */
 pm_status pm__share_strays(pm__storage *storage);
 
-#define PM__STRATA_PARAMS                                                                                      \
-    {"strata", PM__INTEGER, 64.0, 1.0, 65536.0, "", NULL, "of each light's emission; a power of two of them"}, \
-        {"tests", PM__INTEGER, 8.0, 1.0, 4096.0, "", NULL, "trial photons of each stratum"}
-#define PM__SETS_PARAMS                                                                                             \
-    PM__STRATA_PARAMS,                                                                                              \
-        {"ratio", PM__REAL, 16.0, 1.0, 1e4, "", NULL, "of photons of strata that matter to those of others"},       \
+#define PM__STRATA_PARAMS_OF(strata, tests)                                                                        \
+    {"strata", PM__INTEGER, strata, 1.0, 65536.0, "", NULL, "of each light's emission; a power of two of them"},   \
+        {"tests", PM__INTEGER, tests, 1.0, 4096.0, "", NULL, "trial photons of each stratum"}
+#define PM__SETS_PARAMS_OF(strata, tests, ratio)                                                                    \
+    PM__STRATA_PARAMS_OF(strata, tests),                                                                            \
+        {"ratio", PM__REAL, ratio, 1.0, 1e4, "", NULL, "of photons of strata that matter to those of others"},      \
         {"strays", PM__CHOICE, 0, 0, 1, "", "share|keep", "powerful photons where it matters: shared out, or stored"}
+#define PM__STRATA_PARAMS PM__STRATA_PARAMS_OF(64.0, 8.0)
+#define PM__SETS_PARAMS PM__SETS_PARAMS_OF(64.0, 8.0, 16.0)
 enum { PM__STRATA_PARAM_COUNT = 2, PM__SETS_PARAM_COUNT = 4 };
 
 #endif

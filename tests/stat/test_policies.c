@@ -54,7 +54,7 @@ static void measure(const policed *p, const char *policy, pm__map_kind kind, siz
 }
 
 static const char *const policies[] = {"percentage", "probability", "density", "density:accept=cosine", "emission",
-                                       "emission:strata=4,tests=1,ratio=50", "emission:strays=keep", "peter-pietrek",
+                                       "emission:strata=4,tests=1,ratio=50", "emission:strays=keep", "emission:sets=two", "peter-pietrek",
                                        "emission+density", "emission+probability"};
 enum { POLICIES = sizeof policies / sizeof *policies };
 
@@ -221,7 +221,8 @@ static double spread_of(const policed *p, const pm__stored_photons *set)
 START_TEST(test_no_dots)
 {
     policed p = policed_floor(1.0);
-    const char *const shared = "emission:strata=1024,tests=1", *const kept = "emission:strata=1024,tests=1,strays=keep";
+    const char *const shared = "emission:sets=two,strata=1024,tests=1";
+    const char *const kept = "emission:sets=two,strata=1024,tests=1,strays=keep";
     double dots = 0.0;
     for (uint32_t trial = 0; trial < 3; trial++) {
         pm__stored_photons without = policed_store(&p, shared, PM__GLOBAL_MAP, 20000, trial);
@@ -253,7 +254,7 @@ START_TEST(test_sent_to_where_it_matters)
 {
     policed p = policed_floor(1.0);
     pm__stored_photons all = policed_store(&p, "all", PM__GLOBAL_MAP, 20000, 1);
-    pm__stored_photons few = policed_store(&p, "emission:strata=1024", PM__GLOBAL_MAP, 20000, 1);
+    pm__stored_photons few = policed_store(&p, "emission:sets=two,strata=1024", PM__GLOBAL_MAP, 20000, 1);
     pm__stored_photons many = policed_store(&p, "peter-pietrek:strata=1024", PM__GLOBAL_MAP, 20000, 1);
     size_t counts[3] = {0, 0, 0};
     const pm__stored_photons *const sets[3] = {&all, &few, &many};

@@ -1,10 +1,11 @@
 /* Large sets of photons from where they lead to what matters, small sets of powerful ones from elsewhere; where it does
  * not matter photons of large sets are kept by chance. */
-#include "../keep_chance.h"
+#include "../keep_level.h"
 #include "../send_strata.h"
 
 static const pm__param params[] = {
-    PM__SETS_PARAMS,
+    PM__SETS_PARAMS_OF(8.0, 16.0, 16.0),
+    {"sets", PM__CHOICE, 0, 0, 1, "", "graded|two", "of strata: by what trial photons found, or large and small ones"},
     {"form", PM__CHOICE, 0, 0, 1, "", "unbiased|printed", "trial photons decide alone, or are the small sets"},
 };
 
@@ -18,30 +19,35 @@ static double chance(const pm__storage *storage, const pm__arrivals *arrivals, s
     return fmin(1.0, share * pm__load_of(storage, arrivals, i));
 }
 
-static pm_status keep_some(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
+static pm_status begin(pm__storage *storage)
 {
-    return pm__keep_by_chance(storage, arrivals, chance, taken);
+    return pm__level_begin(storage);
 }
 
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
-    return pm__keep_but_strays(storage, arrivals, keep_some, taken);
+    return pm__level_keep(storage, arrivals, chance, taken);
 }
 
 static pm_status end(pm__storage *storage, bool *unmet)
 {
     (void)unmet;
-    return pm__share_strays(storage);
+    return pm__policy_value(storage, "strays", 0.0) == 1.0 ? PM_OK : pm__level_end(storage);
 }
 
-static const pm__keeping keeping = {.keep = keep, .end = end};
+static void release(pm__storage *storage)
+{
+    pm__level_release(storage);
+}
+
+static const pm__keeping keeping = {begin, keep, end, release};
 
 const pm__policy pm__policy_emission = {
     .entry = {.name = "emission",
               .summary = "many photons where trial photons found importance, few powerful ones elsewhere",
               .citation = "Christensen: course 43, 5.7.4; errata 38",
               .params = params,
-              .param_count = PM__SETS_PARAM_COUNT + 1},
+              .param_count = PM__SETS_PARAM_COUNT + 2},
     .send = &pm__send_sets,
     .keep = &keeping,
     .by_importance = true,
