@@ -156,8 +156,8 @@ static pm_status keep_printed(pm__storage *s, const trial *t)
     return PM_OK;
 }
 
-/* Worth of a photon of each stratum: of its own trial photons, and of those of its whole light as if they were one more,
- * for chance has too much to say in a few. */
+/* Worth of a photon of each stratum: of its own trial photons, and of those of its whole light as if they were one
+ * more, for chance has too much to say in a few. */
 static double worth_of(const pm__storage *s, const trial *t, size_t stratum)
 {
     const pm__strata *const strata = &s->sender->strata;

@@ -54,7 +54,8 @@ static void measure(const policed *p, const char *policy, pm__map_kind kind, siz
 }
 
 static const char *const policies[] = {"percentage", "probability", "density", "density:accept=cosine", "emission",
-                                       "emission:strata=4,tests=1,ratio=50", "emission:strays=keep", "emission:sets=two", "peter-pietrek",
+                                       "emission:strata=4,tests=1,ratio=50", "emission:strays=keep",
+                                       "emission:sets=two", "peter-pietrek",
                                        "emission+density", "emission+probability"};
 enum { POLICIES = sizeof policies / sizeof *policies };
 
