@@ -338,7 +338,7 @@ pm_status pm__harvest_paths(const pm__shoot_config *config, const pm__harvest_wi
     gathering g = {.config = config, .wish = wish, .harvest = harvest, .lock = PTHREAD_MUTEX_INITIALIZER};
     const bool usual = wish->power > 0.0 && isfinite(wish->power);
     *harvest = (pm__harvest){.unit = usual ? ldexp(1.0, ilogb(wish->power)) : 1.0};
-    pm__photon_room *const room = config->normals || wish->marks ? NULL : config->room;
+    pm__photon_room *const room = config->normals || wish->marks || wish->numbers ? NULL : config->room;
     if (room) {
         harvest->photons = room->photons;
         g.room = room->capacity;

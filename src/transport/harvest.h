@@ -32,7 +32,7 @@ typedef struct pm__harvest {
     double unit;          /* W: a power of two about the power that is sent, so that floats hold what scenes do not */
 } pm__harvest;
 
-/* Where config has room, and neither normals nor marks are wanted, photons lie in that; after an error it is empty.
+/* Where config has room, and no normals, marks or numbers are wanted, photons lie in that; after an error it is empty.
  *
  * Traces paths until `wanted` photons are stored, the last path as a whole, or `most` paths are traced, or next to none
  * is stored: then count < wanted. Uses config's normals, parallel and canceled. Memory: what is given back, and for

@@ -166,7 +166,6 @@ START_TEST(options_are_echoed)
 }
 END_TEST
 
-/* One for each scene, method, estimator and alpha, in this order. */
 /* By itself each method does as is fastest; a search that is named does it all. Sums are the same but for rounding. */
 START_TEST(a_search_where_one_is_named)
 {
@@ -188,6 +187,7 @@ START_TEST(a_search_where_one_is_named)
 }
 END_TEST
 
+/* One for each scene, method, estimator and alpha, in this order. */
 START_TEST(series_are_all_combinations)
 {
     json_t *const root = pm__expect_json(

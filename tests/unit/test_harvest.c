@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -430,7 +431,30 @@ START_TEST(test_shares_of_floats)
 }
 END_TEST
 
+/* A room is of photons alone: what else is wished has memory of its own, and all of it. */
+START_TEST(test_numbers_beside_a_room)
+{
+    pm__photon_room room = {NULL, 0};
+    pm__harvest_wish wish = {.tracer = trace, .tracing = &few, .power = 1.0, .share = 1.0, .most = 5000,
+                             .wanted = SIZE_MAX};
+    const pm__shoot_config config = {.room = &room};
+    pm_error error;
+    pm__harvest h;
+    PM_CHECK_OK(pm__harvest_paths(&config, &wish, &h, &error), error);
+    ck_assert(h.photons == room.photons && room.capacity >= h.count);
+    wish.numbers = true;
+    PM_CHECK_OK(pm__harvest_paths(&config, &wish, &h, &error), error);
+    ck_assert_ptr_nonnull(h.numbers);
+    ck_assert(h.photons != room.photons);
+    for (size_t i = 0; i < h.count; i++)
+        ck_assert(h.photons[i].position[1] == (float)(h.numbers[i] & 0xffff));
+    pm__harvest_free(&h);
+    free(room.photons);
+}
+END_TEST
+
 PM_TEST_MAIN("harvest", test_all_paths_in_their_order, test_as_many_photons_as_wanted,
              test_room_for_more_than_expected, test_a_thread_that_lags_behind, test_in_vain,
              test_canceled_in_the_middle, test_canceled_too_late, test_power_of_floats, test_out_of_memory,
-             test_photons_too_many_are_left_out, test_any_photon_is_left_out, test_shares_of_floats)
+             test_photons_too_many_are_left_out, test_any_photon_is_left_out, test_shares_of_floats,
+             test_numbers_beside_a_room)

@@ -277,7 +277,7 @@ START_TEST(cuts_change_nothing)
 }
 END_TEST
 
-/* One photon brings more to a run of points than pages hold: 10000 points in one place are 32 runs of up to 512, pages
+/* One photon brings more to a run of points than pages hold: 10000 points in one place are 20 runs of up to 512, pages
  * have 170. */
 START_TEST(a_photon_may_find_more_than_there_is_room_for)
 {

@@ -6,7 +6,7 @@
  * however the work is cut: the cover and the room that there is for pairs change times, never a bit of a result.
  *
  * Memory: some 300 bytes a point, and for pairs of a photon and a point at most PM__CHUNKS lists of PM__PAIRS of them
- * (16 x 0.4 MB), whatever there are in a pass: it is read again before it has left the near caches. */
+ * (16 x 0.5 MB), whatever there are in a pass: it is read again before it has left the near caches. */
 #ifndef PM_METHODS_PROGRESSIVE_COVER_H
 #define PM_METHODS_PROGRESSIVE_COVER_H
 
