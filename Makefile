@@ -39,6 +39,8 @@ LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/obj/%.o)
 PROGRAM_OBJECTS := $(PROGRAM_SOURCES:%.c=$(BUILD)/obj/%.o) $(PEER_OBJECTS)
 MAIN_OBJECT := $(BUILD)/obj/src/cli/main.o
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/*/test_*.c))
+FUZZERS := $(patsubst tests/fuzz/%.c,$(BUILD)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
+FUZZ_SECONDS ?= 3600
 SHARED = libphotonmap.so.$(VERSION)
 
 INTO = "$(DESTDIR)$(PREFIX)"
@@ -98,6 +100,11 @@ check: deps ## every test
 check-san: deps ## every test under the address and undefined-behaviour sanitizers
 	$(Q)CK_TIMEOUT_MULTIPLIER=10 $(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/san run-tests \
 	    CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
+fuzz: ## each fuzzer for FUZZ_SECONDS (3600), with clang's libFuzzer and sanitizers
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) CC=clang BUILD=$(BUILD)/fuzzing fuzzers \
+	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all"
+	$(Q)tests/fuzz/run_fuzz.sh $(BUILD)/fuzzing $(FUZZ_SECONDS)
+fuzzers: $(FUZZERS)
 check-full: check check-san ## check, check-san, valgrind on the unit tests, the full statistics
 	$(Q)PM_FULL=1 tests/run.sh $(BUILD) stat
 	$(Q)tests/valgrind.sh $(BUILD)
@@ -205,7 +212,13 @@ $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/
 	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng \
 	    `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
--include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d)
+$(BUILD)/fuzz/%: tests/fuzz/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags
+	$(call say,FUZZ,$@)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) $(DEPENDENCIES) -MF $@.d $(LDFLAGS) -fsanitize=fuzzer $< $(BUILD)/program.a \
+	    $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -ljansson -lm -o $@
+
+-include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d) $(FUZZERS:=.d)
 .PHONY: all lib program install uninstall clean demo run-demo bench run-bench \
-    check check-san check-full tests run-tests deps deps-build deps-bench help .FORCE
+    check check-san check-full fuzz fuzzers tests run-tests deps deps-build deps-bench help .FORCE
 .DELETE_ON_ERROR:

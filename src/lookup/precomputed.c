@@ -16,7 +16,7 @@ enum { BLOCK = 256 };
 
 typedef struct stored {
     double value[3];
-    float radius;    /* m */
+    double radius;   /* m */
     uint32_t count;  /* photons in the estimate */
     _Atomic unsigned char state;
 } stored;
@@ -60,7 +60,7 @@ static void store(pm_precomputed *p, size_t index, pm_status status, const pm_es
                                                  memory_order_relaxed))
         return;
     memcpy(c->value, estimation->value, sizeof c->value);
-    c->radius = (float)estimation->radius;
+    c->radius = estimation->radius;
     c->count = (uint32_t)estimation->count;
     atomic_fetch_add_explicit(&p->computed, 1, memory_order_relaxed);
     atomic_store_explicit(&c->state, status == PM_OK ? READY : DEGENERATE, memory_order_release);
@@ -73,12 +73,11 @@ static pm_status fetch(pm_precomputed *p, size_t index, pm_workspace *workspace,
     const unsigned char state = atomic_load_explicit(&c->state, memory_order_acquire);
     if (state == READY || state == DEGENERATE) {
         memcpy(estimation->value, c->value, sizeof c->value);
-        estimation->radius = (double)c->radius;
+        estimation->radius = c->radius;
         estimation->count = c->count;
         return state == READY ? PM_OK : PM_EDEGENERATE;
     }
     const pm_status status = compute(p, index, workspace, estimation);
-    estimation->radius = (double)(float)estimation->radius; /* as it is stored */
     store(p, index, status, estimation);
     return status;
 }

@@ -172,7 +172,7 @@ static bool is_finite(const pm_estimation *found)
            isfinite(found->radius);
 }
 
-/* 2 * 5 * 2^-24 and what the root and a stored float leave of it. */
+/* Above the 2.5 * 2^-24 that its root leaves of r squared's error. */
 static const double radius_slack = 1e-6;
 
 /* A map's unit is about its largest coordinate. What lies far within, or far without, single precision may refuse. */

@@ -140,15 +140,23 @@ static stage stage_of(const pm__judge_request *request, const pm__nears *set, si
     for (size_t i = 0; i < n; i++)
         for (int c = 0; c < 3; c++) {
             const long double flux = (long double)request->photons[set->near[i].index].power[c];
-            const long double share = (i + 1 == n && !whole ? last_of(request) : 1) / area;
+            const long double share = i + 1 == n && !whole ? last_of(request) : 1;
             s.value[c] += share * flux;
             s.magnitude[c] += share * fabsl(flux);
         }
     for (int c = 0; c < 3; c++) {
+        s.value[c] /= area;
+        s.magnitude[c] /= area;
         s.bright += s.value[c];
         s.whole += s.magnitude[c];
     }
     return s;
+}
+
+/* Is E 0 but for rounding, so that it has no sign to take a logarithm of? Exactly 0 is clear. */
+static bool is_nearly_zero(const stage *s, long double blur)
+{
+    return s->bright != 0 && fabsl(s->bright) <= blur * s->whole;
 }
 
 /* Does ln E differ from some earlier one by more than z standard deviations? */
@@ -161,9 +169,10 @@ static bool is_significant(const pm__judge_request *request, const stage *s, siz
         const long double change = fabsl(logl(s[now].bright / s[j].bright));
         const long double bound = (long double)value_of(request, "z") * sqrtl(variance);
         significant |= change > bound;
+        doubt |= is_nearly_zero(&s[j], blur) || is_nearly_zero(&s[now], blur);
         doubt |= fabsl(change - bound) <= blur * (1 + bound);
     }
-    *clear &= !doubt || significant;
+    *clear &= !doubt;
     return significant;
 }
 

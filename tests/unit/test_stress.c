@@ -199,6 +199,38 @@ START_TEST(test_coinciding_photons_are_not_stray)
 }
 END_TEST
 
+/* An estimate stored at a photon has its radius to the last digit, also where floats are denormal. */
+START_TEST(test_stored_radii_at_the_smallest_extents)
+{
+    pm_map *map = NULL;
+    pm_estimator *estimator = NULL;
+    pm_precomputed *stored = NULL;
+    pm_workspace *workspace = NULL;
+    pm_error error = {""};
+    pm_precomputed_options options = {.dimensions = 2};
+    pm_estimation found;
+    for (int i = 0; i < NEAR; i++)
+        photons[i] = (pm_photon){.position = {ldexpf((float)(7 * i), -147), ldexpf((float)i, -147), 0.0f},
+                                 .power = {1.0f, 1.0f, 1.0f}};
+    PM_CHECK_OK(pm_map_create(photons, NEAR, NULL, &map, &error), error);
+    PM_CHECK_OK(pm_estimator_create("precomputed:fraction=1", &estimator, &error), error);
+    pm_query_init(&options.lookup);
+    options.lookup.k = 4;
+    PM_CHECK_OK(pm_precomputed_create(estimator, map, &options, &stored, &error), error);
+    ck_assert_int_eq(pm_workspace_create(0, &workspace), PM_OK);
+    const pm_source source = {.maps = (const pm_map *const *)&map, .map_count = 1, .precomputed = stored,
+                              .dimensions = 2};
+    ck_assert_int_eq(pm_estimate(estimator, &source, &options.lookup, workspace, &found), PM_OK);
+    /* to the fourth photon, at (21, 3) steps: no whole number of the least denormal */
+    PM_CHECK_NEAR(found.radius * 0x1p147, sqrt(450.0), 1e-5);
+    ck_assert(found.radius > 0.0 && found.count == 4);
+    pm_workspace_destroy(workspace);
+    pm_precomputed_destroy(stored);
+    pm_estimator_destroy(estimator);
+    pm_map_destroy(map);
+}
+END_TEST
+
 /* A query is brought nearer where its square would overflow, but finds no photon beyond its radius by that. */
 START_TEST(test_a_far_query_finds_what_its_radius_holds)
 {
@@ -230,4 +262,5 @@ END_TEST
 
 PM_TEST_MAIN("stress", test_a_row_for_each_subject, test_a_wrong_bound_fails,
              test_rows_do_not_depend_on_who_does_what, test_canceled, test_a_stray_photon_gives_a_status,
-             test_coinciding_photons_are_not_stray, test_a_far_query_finds_what_its_radius_holds)
+             test_coinciding_photons_are_not_stray, test_stored_radii_at_the_smallest_extents,
+             test_a_far_query_finds_what_its_radius_holds)
