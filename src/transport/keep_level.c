@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEAR = 50, AT_ONCE = 32, PIECE = 512, MOST = 32768 };
+enum { NEAR = 50, AT_ONCE = 32, PIECE = 512, MOST = 4096 };
 
 /* Of the median of those about it: what a photon may carry. */
 static const double most_of_median = 2.0;
@@ -66,7 +66,7 @@ pm_status pm__level_keep(pm__storage *storage, const pm__arrivals *arrivals, pm_
     return PM_OK;
 }
 
-/* ---- Neighborhoods ------------------------------------------------------------------------------ */
+/* ---- Neighbourhoods ----------------------------------------------------------------------------- */
 
 /* All photons, those that wait nowhere behind the stock: with the power that each came with. */
 typedef struct field {
@@ -209,8 +209,8 @@ static double give(field *f, size_t i, const pm_neighbor *near, size_t count, bo
 
 static pm_status relieve(field *f, size_t i)
 {
-    enum { STEPS = 6 };
-    static const size_t steps[STEPS] = {8, 32, 128, 512, 4096, MOST};
+    enum { STEPS = 5 };
+    static const size_t steps[STEPS] = {8, 32, 128, 512, MOST};
     static const double nothing = 1e-9;
     const double has = sum_of(f->powers[i]);
     double excess = has - (double)f->most[i];
@@ -220,7 +220,7 @@ static pm_status relieve(field *f, size_t i)
         const pm_status status = pm_map_search(f->map, &query, f->near, MOST, &found);
         if (status != PM_OK)
             return status;
-        excess = give(f, i, f->near, found, steps[step] > 512, excess);
+        excess = give(f, i, f->near, found, step == STEPS - 1, excess);
     }
     return PM_OK;
 }

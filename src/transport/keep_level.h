@@ -2,8 +2,8 @@
  * be much more powerful than those about it: it would be a bright dot ([C02] 5.7.4).
  *
  * Near is what is among the 50 nearest of an important photon: those are kept whole, whatever chance says of them,
- * which changes no neighborhood; and whoever carries more than twice the median of one that it is in gives the rest to
- * its nearest neighbors of the same part and side. */
+ * which changes no neighbourhood; and whoever carries more than twice the median of one that it is in gives the rest to
+ * its nearest neighbours of the same part and side. */
 #ifndef PM_TRANSPORT_KEEP_LEVEL_H
 #define PM_TRANSPORT_KEEP_LEVEL_H
 
