@@ -17,7 +17,8 @@
  * k = 2 + A / (E^2 - B^2), and N = k / s: candidates form a curve, along which the cheapest is sought. Shares beyond
  * those that were measured are not considered: a map could not be smaller without looking at all its photons.
  *
- * Seconds: N photons at the time that one took with the nearest number, and queries at a time that is a power of k. */
+ * Seconds: photons and queries at times that are powers of N and, queries, of k. The powers are bounded so that with
+ * the same k a larger map never is the faster one, whatever a disturbed clock has said of either. */
 #include "advise_law.h"
 
 #include <math.h>
@@ -121,30 +122,40 @@ double pm__map_bias2(const pm__map_law *law, double share)
     return fmin(bias2, bound);
 }
 
+/* In the map that a sample was measured in. */
+static double query_ns_alike(const pm__map_law *law, double k)
+{
+    line sums = {0.0, 0.0, 0.0, 0.0, 0.0};
+    for (size_t i = 0; i < law->count; i++) {
+        const pm__map_sample *const s = &law->samples[i];
+        if (s->ns_per_query > 0.0)
+            line_add(&sums, closeness(square(log(s->k / k))), log(s->k), log(s->ns_per_query));
+    }
+    return sums.weight > 0.0 ? exp(line_at(&sums, log(k), 0.0, 2.0, 1.0)) : NAN;
+}
+
 static double query_ns(const pm__map_law *law, double k, double photons)
 {
     line sums = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (size_t i = 0; i < law->count; i++) {
         const pm__map_sample *const s = &law->samples[i];
         if (s->ns_per_query > 0.0)
-            line_add(&sums, closeness(square(log(s->k / k)) + 0.5 * square(log(s->photons / photons))), log(s->k),
-                     log(s->ns_per_query));
+            line_add(&sums, closeness(square(log(s->k / k))), log(s->photons),
+                     log(s->ns_per_query / query_ns_alike(law, s->k)));
     }
-    return sums.weight > 0.0 ? exp(line_at(&sums, log(k), 0.0, 2.0, 1.0)) : NAN;
+    const double slower = sums.weight > 0.0 ? exp(line_at(&sums, log(photons), 0.0, 0.5, 0.0)) : 1.0;
+    return slower * query_ns_alike(law, k);
 }
 
 static double photon_ns(const pm__map_law *law, double photons)
 {
-    double sum = 0.0, weights = 0.0;
+    line sums = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (size_t i = 0; i < law->count; i++) {
         const pm__map_sample *const s = &law->samples[i];
-        const double weight = closeness(square(log(s->photons / photons)));
-        if (s->ns_per_photon > 0.0) {
-            sum += weight * s->ns_per_photon;
-            weights += weight;
-        }
+        if (s->ns_per_photon > 0.0)
+            line_add(&sums, 1.0, log(s->photons), log(s->ns_per_photon));
     }
-    return weights > 0.0 ? sum / weights : NAN;
+    return sums.weight > 0.0 ? exp(line_at(&sums, log(photons), -0.5, 0.5, 0.0)) : NAN;
 }
 
 double pm__map_seconds(const pm__map_law *law, double k, double photons, double queries)
