@@ -83,7 +83,7 @@ static inline double importance_at(const pm__importance *importance, pm__map_kin
 {
     const float position[1][3] = {{(float)x, (float)y, (float)z}}, normal[1][3] = {{(float)nx, (float)ny, (float)nz}};
     float value = -1.0f;
-    ck_assert_int_eq(pm__importance_at(importance, kind, position, normal, 1, &value), PM_OK);
+    pm__importance_at(importance, kind, position, normal, 1, &value);
     ck_assert(value >= 0.0f && value < INFINITY);
     return (double)value;
 }

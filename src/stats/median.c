@@ -1,4 +1,4 @@
-/* Medians of measured times. */
+/* Medians. */
 #include "stats.h"
 
 #include <math.h>
@@ -25,14 +25,20 @@ static size_t order_rank(size_t n)
     return r;
 }
 
+double pm__median(double *values, size_t n)
+{
+    qsort(values, n, sizeof *values, by_value);
+    return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
 double pm__median_interval(double *values, size_t n, pm__interval *interval)
 {
     if (!n) {
         *interval = (pm__interval){NAN, NAN};
         return NAN;
     }
-    qsort(values, n, sizeof *values, by_value);
+    const double median = pm__median(values, n);
     const size_t r = n <= 1000 ? order_rank(n) : (size_t)((double)n / 2.0 - 0.98 * sqrt((double)n));
     *interval = r ? (pm__interval){values[r - 1], values[n - r]} : (pm__interval){values[0], values[n - 1]};
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+    return median;
 }

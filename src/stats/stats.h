@@ -45,6 +45,9 @@ typedef struct pm__error_summary {
  * passes. */
 void pm__summarize_errors(const pm__trial_errors *errors, double *scratch, pm__error_summary *summary);
 
+/* Of n >= 1 values, which are sorted in place. */
+double pm__median(double *values, size_t n);
+
 /* Median and a distribution-free interval for it from order statistics: at least 95 % where n >= 6, else the range.
  * values are sorted in place. */
 double pm__median_interval(double *values, size_t n, pm__interval *interval);

@@ -119,8 +119,8 @@ static pm_status draw_some(const drawing *d, size_t first, size_t count)
         memcpy(normals[i], d->sights[first + i].normal, sizeof normals[i]);
     }
     if (d->policy)
-        status = pm__importance_at(d->job->importance, d->kind, (const float(*)[3])positions,
-                                   (const float(*)[3])normals, count, importance);
+        pm__importance_at(d->job->importance, d->kind, (const float(*)[3])positions, (const float(*)[3])normals, count,
+                          importance);
     for (size_t i = 0; i < count && status == PM_OK; i++) {
         const size_t p = first + i;
         if (!d->sights[p].reached)

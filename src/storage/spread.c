@@ -4,6 +4,7 @@
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
+#include "../stats/stats.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -23,12 +24,6 @@ typedef struct spreading {
     _Atomic int failure;
 } spreading;
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* powers: room for k. */
 static pm_status spread_at(const spreading *s, const pm_query *query, pm_neighbor *near, double *powers, double *spread)
 {
@@ -40,8 +35,7 @@ static pm_status spread_at(const spreading *s, const pm_query *query, pm_neighbo
         const pm_photon photon = pm_map_photon(s->map, near[i].number);
         powers[i] = (double)photon.power[0] + (double)photon.power[1] + (double)photon.power[2];
     }
-    qsort(powers, count, sizeof *powers, ascending);
-    const double median = 0.5 * (powers[(count - 1) / 2] + powers[count / 2]);
+    const double median = pm__median(powers, count);
     if (median > 0.0)
         *spread = fmax(*spread, powers[count - 1] / median); /* fmax passes over NAN */
     return PM_OK;
@@ -56,12 +50,11 @@ static pm_status spread_some(const spreading *s, size_t first, size_t count, dou
         memcpy(positions[i], s->set->photons[(first + i) * EVERY].position, sizeof positions[i]);
         memcpy(normals[i], s->set->normals[(first + i) * EVERY], sizeof normals[i]);
     }
-    pm_status status = pm__importance_at(s->job->importance, s->kind, (const float(*)[3])positions,
-                                         (const float(*)[3])normals, count, importance);
+    pm__importance_at(s->job->importance, s->kind, (const float(*)[3])positions, (const float(*)[3])normals, count,
+                      importance);
     pm_neighbor *const near = pm__alloc(k, sizeof *near);
     double *const powers = pm__alloc(k, sizeof *powers);
-    if (!near || !powers)
-        status = PM_ENOMEM;
+    pm_status status = near && powers ? PM_OK : PM_ENOMEM;
     for (size_t i = 0; i < count && status == PM_OK; i++)
         if ((double)importance[i] >= s->threshold) {
             const pm_query query = pm__points_query(positions[i], normals[i], &looking);

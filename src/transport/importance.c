@@ -31,7 +31,7 @@ typedef struct field {
     size_t count;           /* importons traced */
     pm_map *map;            /* of those that carry; NULL: there are none */
     pm__cells *cells;       /* of it */
-    double mean, greatest;  /* 1/m2 */
+    double mean;            /* 1/m2 */
 } field;
 
 struct pm__importance {
@@ -186,7 +186,7 @@ static pm_status make_field(const estimating *e, field *made)
     pm_photon *const photons = pm__alloc(e->carriers, sizeof *photons);
     if (!photons)
         return PM_ENOMEM;
-    made->mean = made->greatest = 0.0;
+    made->mean = 0.0;
     for (size_t i = 0; i < e->carriers; i++) {
         const double value = value_of(e, scale, i);
         photons[i] = e->set->importons[i];
@@ -195,7 +195,6 @@ static pm_status make_field(const estimating *e, field *made)
         farthest = fmax(farthest, (double)e->radius[i]);
         sum += log((double)e->radius[i]);
         made->mean += value / (double)e->carriers;
-        made->greatest = fmax(made->greatest, value);
     }
     /* In the disc of a usual radius there are `nearest` importons, of which a share carries. */
     const double usual = exp(sum / (double)e->carriers), in_disc = e->config->share * (double)e->config->nearest;
@@ -314,18 +313,13 @@ double pm__importance_mean(const pm__importance *importance, pm__map_kind kind)
     return importance->fields[kind].mean;
 }
 
-double pm__importance_greatest(const pm__importance *importance, pm__map_kind kind)
-{
-    return importance->fields[kind].greatest;
-}
-
 double pm__importance_threshold(const pm__importance *importance, pm__map_kind kind)
 {
     return important_share * importance->fields[kind].mean;
 }
 
-pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
-                            const float (*normals)[3], size_t count, float *values)
+void pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
+                       const float (*normals)[3], size_t count, float *values)
 {
     const field *const f = &importance->fields[kind];
     if (!f->map)
@@ -334,5 +328,31 @@ pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind,
         const size_t rest = count - first, some = rest < PM__CELLS_AT_ONCE ? rest : PM__CELLS_AT_ONCE;
         pm__cells_find(f->cells, positions + first, normals + first, some, values + first);
     }
-    return PM_OK;
+}
+
+typedef struct looking {
+    const pm__importance *importance;
+    pm__map_kind kind;
+    const pm_photon *photons;
+    const float (*normals)[3];
+    size_t count;
+    float *values;
+} looking;
+
+static void look_block(void *argument, size_t block)
+{
+    const looking *const l = argument;
+    const size_t first = block * BLOCK, rest = l->count - first, count = rest < BLOCK ? rest : BLOCK;
+    float positions[BLOCK][3];
+    for (size_t i = 0; i < count; i++)
+        memcpy(positions[i], l->photons[first + i].position, sizeof positions[i]);
+    pm__importance_at(l->importance, l->kind, (const float(*)[3])positions, l->normals + first, count,
+                      l->values + first);
+}
+
+void pm__importance_of_photons(const pm__importance *importance, pm__map_kind kind, const pm_parallel *parallel,
+                               const pm_photon *photons, const float (*normals)[3], size_t count, float *values)
+{
+    looking all = {importance, kind, photons, normals, count, values};
+    pm__for(parallel, (count + BLOCK - 1) / BLOCK, look_block, &all);
 }

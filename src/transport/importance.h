@@ -54,7 +54,6 @@ size_t pm__importance_count(const pm__importance *importance, pm__map_kind kind)
 
 /* Over the importons that carry an estimate: 1/m2; 0 where there are none. */
 double pm__importance_mean(const pm__importance *importance, pm__map_kind kind);
-double pm__importance_greatest(const pm__importance *importance, pm__map_kind kind);
 
 /* Where importance is at least this much, 1/m2, a place is important: a tenth of the mean over importons. */
 double pm__importance_threshold(const pm__importance *importance, pm__map_kind kind);
@@ -65,7 +64,10 @@ double pm__importance_threshold(const pm__importance *importance, pm__map_kind k
  * the estimate was made of, it falls with the square of the distance; beyond 16 times as far, or 8 times what is usual,
  * it is 0. For many points at once, from any thread;
  * positions in m, normals unit. */
-pm_status pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
-                            const float (*normals)[3], size_t count, float *values);
+void pm__importance_at(const pm__importance *importance, pm__map_kind kind, const float (*positions)[3],
+                       const float (*normals)[3], size_t count, float *values);
+/* The same where photons came to surfaces. parallel: NULL: this thread. */
+void pm__importance_of_photons(const pm__importance *importance, pm__map_kind kind, const pm_parallel *parallel,
+                               const pm_photon *photons, const float (*normals)[3], size_t count, float *values);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "../base/memory.h"
 #include "../base/parallel.h"
+#include "../stats/stats.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -113,12 +114,6 @@ static pm_query query_of(const field *f, size_t i, size_t k)
     return query;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 static void bound(const field *f, const pm_neighbor *near, size_t count)
 {
     double powers[NEAR];
@@ -126,8 +121,7 @@ static void bound(const field *f, const pm_neighbor *near, size_t count)
         return;
     for (size_t i = 0; i < count; i++)
         powers[i] = sum_of(f->powers[pm_map_source(f->map, near[i].number)]);
-    qsort(powers, count, sizeof *powers, ascending);
-    const float most = (float)(most_of_median * 0.5 * (powers[(count - 1) / 2] + powers[count / 2]));
+    const float most = (float)(most_of_median * pm__median(powers, count));
     for (size_t i = 0; i < count; i++) {
         _Atomic float *const of = &f->most[pm_map_source(f->map, near[i].number)];
         float before = atomic_load(of);

@@ -10,12 +10,8 @@
 
 /* ---- Trial photons ------------------------------------------------------------------------------ */
 
-/* Photons that are looked up at once. */
-enum { PIECE = 1024 };
-
 typedef struct trial {
     pm__harvest photons;
-    float (*positions)[3];
     float *importance;
     double *found;   /* importance that the photons of each stratum came to, 1/m2, the sum */
     double *worth;   /* the same over the mean of importons, a photon at most 1: about how many matter */
@@ -42,39 +38,15 @@ static pm_status trace_trial(pm__storage *s, trial *t)
     return status;
 }
 
-typedef struct looking {
-    const pm__storage *storage;
-    const trial *trial;
-    _Atomic pm_status *status;
-} looking;
-
-static void look_piece(void *argument, size_t piece)
-{
-    const looking *const l = argument;
-    const pm__storing_config *const config = l->storage->config;
-    const pm__harvest *const h = &l->trial->photons;
-    const size_t begin = piece * PIECE, count = h->count - begin < PIECE ? h->count - begin : PIECE;
-    for (size_t i = begin; i < begin + count; i++)
-        memcpy(l->trial->positions[i], h->photons[i].position, sizeof l->trial->positions[i]);
-    const pm_status status = pm__importance_at(config->importance, config->kind,
-                                               (const float(*)[3])l->trial->positions + begin,
-                                               (const float(*)[3])h->normals + begin, count,
-                                               l->trial->importance + begin);
-    if (status != PM_OK)
-        *l->status = status;
-}
-
 static pm_status look_up(const pm__storage *s, trial *t)
 {
-    const size_t count = t->photons.count;
-    _Atomic pm_status status = PM_OK;
-    looking l = {s, t, &status};
-    t->positions = pm__alloc(count, sizeof *t->positions);
-    t->importance = pm__alloc(count, sizeof *t->importance);
-    if (!t->positions || !t->importance)
+    const pm__storing_config *const config = s->config;
+    t->importance = pm__alloc(t->photons.count, sizeof *t->importance);
+    if (!t->importance)
         return PM_ENOMEM;
-    pm__for(s->config->parallel, (count + PIECE - 1) / PIECE, look_piece, &l);
-    return status;
+    pm__importance_of_photons(config->importance, config->kind, config->parallel, t->photons.photons,
+                              (const float(*)[3])t->photons.normals, t->photons.count, t->importance);
+    return PM_OK;
 }
 
 static pm_status sum_up(const pm__storage *s, trial *t)
@@ -106,7 +78,6 @@ static pm_status run_trial(pm__storage *s, trial *t)
 static void free_trial(trial *t)
 {
     pm__harvest_free(&t->photons);
-    free(t->positions);
     free(t->importance);
     free(t->found);
     free(t->worth);

