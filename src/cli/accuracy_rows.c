@@ -3,39 +3,39 @@
 #include <string.h>
 
 /* The fields, in the order that scripts rely on; each with what fills it in. */
-#define FIELDS(X)                                                       \
-    X(case, text(case_name))                                            \
-    X(region, text(row->region))                                        \
-    X(paths, text(row->paths))                                          \
-    X(estimator, text(estimator_name))                                  \
-    X(kind, text(row->knn ? "knn" : "radius"))                          \
-    X(k, row->knn ? pm__count_cell(row->k) : absent)                    \
-    X(radius, number(row->radius))                                      \
-    X(lookup, text(lookup_name))                                        \
-    X(front, text(config->lookup.front_only ? "on" : "off"))            \
-    X(photons, pm__count_cell(row->photons))                            \
-    X(sampler, text(sampler_name))                                      \
-    X(search, text(row->search))                                        \
-    X(trials, pm__count_cell(row->trials))                              \
-    X(probes, pm__count_cell(row->probes))                              \
-    X(truth_mean, number(row->truth_mean))                              \
-    X(rel_bias, number(row->rel_bias))                                  \
-    X(rel_bias_ci95, interval(row->rel_bias_ci95))                      \
-    X(rms_bias, number(row->rms_bias))                                  \
-    X(rms_bias_ci95, interval(row->rms_bias_ci95))                      \
-    X(rel_noise, number(row->rel_noise))                                \
-    X(rel_noise_ci95, interval(row->rel_noise_ci95))                    \
-    X(rel_rmse, number(row->rel_rmse))                                  \
-    X(rel_rmse_ci95, interval(row->rel_rmse_ci95))                      \
-    X(predicted_rel_bias, number(row->predicted_rel_bias))              \
-    X(predicted_rel_noise, number(row->predicted_rel_noise))            \
-    X(ns_per_query, number(row->ns_per_query))                          \
-    X(ns_per_query_ci95, interval(row->ns_per_query_ci95))              \
-    X(cost_s, number(row->cost_s))                                      \
-    X(efficiency, number(row->efficiency))                              \
-    X(pareto, pm__flag_cell(row->pareto))                               \
-    X(status, text(row->status))                                        \
-    X(detail, text(*row->detail ? row->detail : NULL))
+#define FIELDS(X)                                                     \
+    X(case, pm__text_cell(case_name))                                 \
+    X(region, pm__text_cell(row->region))                             \
+    X(paths, pm__text_cell(row->paths))                               \
+    X(estimator, pm__text_cell(estimator_name))                       \
+    X(kind, pm__text_cell(row->knn ? "knn" : "radius"))               \
+    X(k, row->knn ? pm__count_cell(row->k) : absent)                  \
+    X(radius, pm__number_cell(row->radius))                           \
+    X(lookup, pm__text_cell(lookup_name))                             \
+    X(front, pm__text_cell(config->lookup.front_only ? "on" : "off")) \
+    X(photons, pm__count_cell(row->photons))                          \
+    X(sampler, pm__text_cell(sampler_name))                           \
+    X(search, pm__text_cell(row->search))                             \
+    X(trials, pm__count_cell(row->trials))                            \
+    X(probes, pm__count_cell(row->probes))                            \
+    X(truth_mean, pm__number_cell(row->truth_mean))                   \
+    X(rel_bias, pm__number_cell(row->rel_bias))                       \
+    X(rel_bias_ci95, pm__interval_cell(row->rel_bias_ci95))           \
+    X(rms_bias, pm__number_cell(row->rms_bias))                       \
+    X(rms_bias_ci95, pm__interval_cell(row->rms_bias_ci95))           \
+    X(rel_noise, pm__number_cell(row->rel_noise))                     \
+    X(rel_noise_ci95, pm__interval_cell(row->rel_noise_ci95))         \
+    X(rel_rmse, pm__number_cell(row->rel_rmse))                       \
+    X(rel_rmse_ci95, pm__interval_cell(row->rel_rmse_ci95))           \
+    X(predicted_rel_bias, pm__number_cell(row->predicted_rel_bias))   \
+    X(predicted_rel_noise, pm__number_cell(row->predicted_rel_noise)) \
+    X(ns_per_query, pm__number_cell(row->ns_per_query))               \
+    X(ns_per_query_ci95, pm__interval_cell(row->ns_per_query_ci95))   \
+    X(cost_s, pm__number_cell(row->cost_s))                           \
+    X(efficiency, pm__number_cell(row->efficiency))                   \
+    X(pareto, pm__flag_cell(row->pareto))                             \
+    X(status, pm__text_cell(row->status))                             \
+    X(detail, pm__text_cell(*row->detail ? row->detail : NULL))
 
 static const char *const fields[] = {
 #define X(name, value) #name,
@@ -51,21 +51,6 @@ typedef struct source {
     char case_name[PM__MAX_SPEC], estimator_name[PM__MAX_SPEC], sampler_name[PM__MAX_SPEC];
     char lookup_name[48];
 } source;
-
-static pm__cell text(const char *value)
-{
-    return pm__text_cell(value);
-}
-
-static pm__cell number(double value)
-{
-    return pm__number_cell(value);
-}
-
-static pm__cell interval(pm__interval value)
-{
-    return pm__interval_cell(value.low, value.high);
-}
 
 static void fill_row(void *context, size_t index, pm__cell *cells)
 {
@@ -87,14 +72,6 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
     memcpy(cells, filled, sizeof filled);
 }
 
-static json_t *counts(const size_t *values, size_t count)
-{
-    json_t *const list = json_array();
-    for (size_t i = 0; i < count; i++)
-        (void)json_array_append_new(list, json_integer((json_int_t)values[i]));
-    return list;
-}
-
 /* A number, "auto:0.05" or null. */
 static json_t *radius_option(const pm__accuracy_config *config)
 {
@@ -113,9 +90,9 @@ static json_t *options_of(const pm__settings *s, const pm__accuracy_config *conf
     pm__lookup_format(&config->lookup, lookup);
     (void)json_object_set_new(options, "case", pm__spec_names(config->cases, config->case_count));
     (void)json_object_set_new(options, "estimator", pm__spec_names(config->estimators, config->estimator_count));
-    (void)json_object_set_new(options, "k", counts(config->ks, config->k_count));
+    (void)json_object_set_new(options, "k", pm__number_list(config->ks, config->k_count));
     (void)json_object_set_new(options, "radius", radius_option(config));
-    (void)json_object_set_new(options, "photons", counts(config->photons, config->photon_count));
+    (void)json_object_set_new(options, "photons", pm__number_list(config->photons, config->photon_count));
     (void)json_object_set_new(options, "sampler", pm__spec_names(config->samplers, config->sampler_count));
     (void)json_object_set_new(options, "trials", json_integer((json_int_t)config->trials));
     (void)json_object_set_new(options, "probes", json_integer((json_int_t)config->probes_all));

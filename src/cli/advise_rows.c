@@ -8,28 +8,28 @@
 enum { COMMAND = 1200 };
 
 /* The fields, in the order that scripts rely on; each with what fills it in. */
-#define FIELDS(X)                                                     \
-    X(case, text(from->subject))                                      \
-    X(error, number(from->task->config->error))                       \
-    X(method, text(from->method))                                     \
-    X(estimator, text(row->estimator.entry ? from->estimator : NULL))  \
-    X(k, known && row->k ? pm__count_cell(row->k) : absent)           \
-    X(radius, absent)                                                 \
-    X(photons, known && row->photons ? pm__count_cell(row->photons) : absent) \
-    X(passes, row->passes ? pm__count_cell(row->passes) : absent)     \
-    X(trials, known ? pm__count_cell(row->trials) : absent)           \
-    X(predicted_rel_bias, number(row->predicted_rel_bias))            \
-    X(predicted_rel_noise, number(row->predicted_rel_noise))          \
-    X(predicted_rel_rmse, number(row->predicted_rel_rmse))            \
-    X(predicted_seconds, number(row->predicted_seconds))              \
-    X(advised, pm__flag_cell(row->advised))                           \
-    X(command, known ? text(from->command) : absent)                  \
-    X(reached_rel_rmse, number(row->reached_rel_rmse))                \
-    X(reached_rel_rmse_ci95, pm__interval_cell(row->reached_rel_rmse_ci95.low, row->reached_rel_rmse_ci95.high)) \
-    X(reached_seconds, number(row->reached_seconds))                  \
-    X(ratio, number(row->ratio))                                      \
-    X(status, text(row->status))                                      \
-    X(detail, text(*row->detail ? row->detail : NULL))
+#define FIELDS(X)                                                              \
+    X(case, pm__text_cell(from->subject))                                      \
+    X(error, pm__number_cell(from->task->config->error))                       \
+    X(method, pm__text_cell(from->method))                                     \
+    X(estimator, pm__text_cell(row->estimator.entry ? from->estimator : NULL)) \
+    X(k, known && row->k ? pm__count_cell(row->k) : absent)                    \
+    X(radius, absent)                                                          \
+    X(photons, known && row->photons ? pm__count_cell(row->photons) : absent)  \
+    X(passes, row->passes ? pm__count_cell(row->passes) : absent)              \
+    X(trials, known ? pm__count_cell(row->trials) : absent)                    \
+    X(predicted_rel_bias, pm__number_cell(row->predicted_rel_bias))            \
+    X(predicted_rel_noise, pm__number_cell(row->predicted_rel_noise))          \
+    X(predicted_rel_rmse, pm__number_cell(row->predicted_rel_rmse))            \
+    X(predicted_seconds, pm__number_cell(row->predicted_seconds))              \
+    X(advised, pm__flag_cell(row->advised))                                    \
+    X(command, known ? pm__text_cell(from->command) : absent)                  \
+    X(reached_rel_rmse, pm__number_cell(row->reached_rel_rmse))                \
+    X(reached_rel_rmse_ci95, pm__interval_cell(row->reached_rel_rmse_ci95))    \
+    X(reached_seconds, pm__number_cell(row->reached_seconds))                  \
+    X(ratio, pm__number_cell(row->ratio))                                      \
+    X(status, pm__text_cell(row->status))                                      \
+    X(detail, pm__text_cell(*row->detail ? row->detail : NULL))
 
 static const char *const fields[] = {
 #define X(name, value) #name,
@@ -43,16 +43,6 @@ typedef struct source {
     const pm__advise_task *task;
     char subject[PM__MAX_SPEC], method[PM__MAX_SPEC], estimator[PM__MAX_SPEC], command[COMMAND];
 } source;
-
-static pm__cell text(const char *value)
-{
-    return pm__text_cell(value);
-}
-
-static pm__cell number(double value)
-{
-    return pm__number_cell(value);
-}
 
 static bool is_known(const pm__advice *row)
 {

@@ -23,7 +23,7 @@ typedef struct comparing {
     X(a, pm__number_cell(c->a))                                            \
     X(b, pm__number_cell(c->b))                                            \
     X(change, pm__number_cell(c->change))                                  \
-    X(change_ci95, pm__interval_cell(c->change_ci95.low, c->change_ci95.high)) \
+    X(change_ci95, pm__interval_cell(c->change_ci95))                      \
     X(change_kind, pm__text_cell(!c->tested ? NULL : c->factor ? "factor" : "difference")) \
     X(samples_a, c->tested ? pm__count_cell(c->samples_a) : absent)        \
     X(samples_b, c->tested ? pm__count_cell(c->samples_b) : absent)        \

@@ -9,60 +9,60 @@ const char *const pm__converge_quantity_names[PM__QUANTITIES] = {
     [PM__VARIANCE] = "variance", [PM__BIAS] = "bias", [PM__RMSE] = "rmse"};
 
 /* What tells series apart, in rows of each kind. */
-#define SERIES_FIELDS(X, Y)                   \
-    X(scene, text(from->scene))               \
-    Y                                         \
-    X(method, text(from->method))             \
-    X(estimator, text(from->estimator))       \
-    X(alpha, number(item->alpha))
+#define SERIES_FIELDS(X, Y)                      \
+    X(scene, pm__text_cell(from->scene))         \
+    Y                                            \
+    X(method, pm__text_cell(from->method))       \
+    X(estimator, pm__text_cell(from->estimator)) \
+    X(alpha, pm__number_cell(item->alpha))
 
 /* The fields, in the order that scripts rely on; each with what fills it in. */
-#define ROW_FIELDS(X)                                                           \
-    SERIES_FIELDS(X, X(paths, text(series->paths)))                             \
-    X(pass, count(row->pass))                                                   \
-    X(photons, count(row->photons))                                             \
-    X(seconds, number(row->seconds))                                            \
-    X(rel_bias, number(row->rel_bias))                                          \
-    X(rel_noise, number(row->rel_noise))                                        \
-    X(rel_rmse, number(row->rel_rmse))                                          \
-    X(rel_rmse_ci95, interval(row->rel_rmse_ci95))                              \
-    X(points, count(series->points))                                            \
-    X(trials, count(series->trials))                                            \
-    X(truth, text(series->truth))                                               \
-    X(truth_mean, number(series->truth_mean))                                   \
-    X(rel_bias_ci95, interval(row->rel_bias_ci95))                              \
-    X(rms_bias, number(row->rms_bias))                                          \
-    X(rms_bias_ci95, interval(row->rms_bias_ci95))                              \
-    X(rel_noise_ci95, interval(row->rel_noise_ci95))                            \
-    X(predicted_rel_bias, number(row->predicted_rel_bias))                      \
-    X(predicted_rms_bias, number(row->predicted_rms_bias))                      \
-    X(predicted_rel_noise, number(row->predicted_rel_noise))                    \
-    X(estimated_rel_rmse, number(row->estimated_rel_rmse))                      \
-    X(estimated_rel_rmse_mean, number(row->estimated_rel_rmse_mean))            \
-    X(estimate_right, number(row->estimate_right))                              \
-    X(status, text(item->status))                                               \
-    X(detail, text(*item->detail ? item->detail : NULL))
+#define ROW_FIELDS(X)                                                         \
+    SERIES_FIELDS(X, X(paths, pm__text_cell(series->paths)))                  \
+    X(pass, pm__positive_cell(row->pass))                                     \
+    X(photons, pm__positive_cell(row->photons))                               \
+    X(seconds, pm__number_cell(row->seconds))                                 \
+    X(rel_bias, pm__number_cell(row->rel_bias))                               \
+    X(rel_noise, pm__number_cell(row->rel_noise))                             \
+    X(rel_rmse, pm__number_cell(row->rel_rmse))                               \
+    X(rel_rmse_ci95, pm__interval_cell(row->rel_rmse_ci95))                   \
+    X(points, pm__positive_cell(series->points))                              \
+    X(trials, pm__positive_cell(series->trials))                              \
+    X(truth, pm__text_cell(series->truth))                                    \
+    X(truth_mean, pm__number_cell(series->truth_mean))                        \
+    X(rel_bias_ci95, pm__interval_cell(row->rel_bias_ci95))                   \
+    X(rms_bias, pm__number_cell(row->rms_bias))                               \
+    X(rms_bias_ci95, pm__interval_cell(row->rms_bias_ci95))                   \
+    X(rel_noise_ci95, pm__interval_cell(row->rel_noise_ci95))                 \
+    X(predicted_rel_bias, pm__number_cell(row->predicted_rel_bias))           \
+    X(predicted_rms_bias, pm__number_cell(row->predicted_rms_bias))           \
+    X(predicted_rel_noise, pm__number_cell(row->predicted_rel_noise))         \
+    X(estimated_rel_rmse, pm__number_cell(row->estimated_rel_rmse))           \
+    X(estimated_rel_rmse_mean, pm__number_cell(row->estimated_rel_rmse_mean)) \
+    X(estimate_right, pm__number_cell(row->estimate_right))                   \
+    X(status, pm__text_cell(item->status))                                    \
+    X(detail, pm__text_cell(*item->detail ? item->detail : NULL))
 
-#define FIT_FIELDS(X)                                                           \
-    SERIES_FIELDS(X, )                                                          \
-    X(quantity, text(pm__converge_quantity_names[fit->quantity]))               \
-    X(first_pass, count(fit->fits ? fit->first_pass : 0))                       \
-    X(last_pass, count(fit->fits ? fit->last_pass : 0))                         \
-    X(slope, number(fit->fits ? fit->slope : (double)NAN))                      \
-    X(slope_ci95, interval(fit->fits ? fit->slope_ci95 : none))                 \
-    X(predicted, number(fit->predicted))                                        \
-    X(asymptote, number(fit->asymptote))                                        \
-    X(status, text(fit->fits ? "ok" : "unfit"))                                 \
-    X(detail, text(*fit->detail ? fit->detail : NULL))
+#define FIT_FIELDS(X)                                                      \
+    SERIES_FIELDS(X, )                                                     \
+    X(quantity, pm__text_cell(pm__converge_quantity_names[fit->quantity])) \
+    X(first_pass, pm__positive_cell(fit->fits ? fit->first_pass : 0))      \
+    X(last_pass, pm__positive_cell(fit->fits ? fit->last_pass : 0))        \
+    X(slope, pm__number_cell(fit->fits ? fit->slope : (double)NAN))        \
+    X(slope_ci95, pm__interval_cell(fit->fits ? fit->slope_ci95 : none))   \
+    X(predicted, pm__number_cell(fit->predicted))                          \
+    X(asymptote, pm__number_cell(fit->asymptote))                          \
+    X(status, pm__text_cell(fit->fits ? "ok" : "unfit"))                   \
+    X(detail, pm__text_cell(*fit->detail ? fit->detail : NULL))
 
-#define POINT_FIELDS(X)                                                         \
-    SERIES_FIELDS(X, )                                                          \
-    X(x, pm__count_cell(point->point % item->series.width))                     \
-    X(y, pm__count_cell(point->point / item->series.width))                     \
-    X(pass, count(point->pass))                                                 \
-    X(radius, number(point->radius > 0.0 ? point->radius : (double)NAN))        \
-    X(count, number(point->count))                                              \
-    X(radiance, triple(point->radiance))                                        \
+#define POINT_FIELDS(X)                                                           \
+    SERIES_FIELDS(X, )                                                            \
+    X(x, pm__count_cell(point->point % item->series.width))                       \
+    X(y, pm__count_cell(point->point / item->series.width))                       \
+    X(pass, pm__positive_cell(point->pass))                                       \
+    X(radius, pm__number_cell(point->radius > 0.0 ? point->radius : (double)NAN)) \
+    X(count, pm__number_cell(point->count))                                       \
+    X(radiance, triple(point->radiance))                                          \
     X(truth, triple(point->truth))
 
 #define X(name, value) #name,
@@ -93,27 +93,7 @@ typedef struct source {
 
 static const pm__interval none = {(double)NAN, (double)NAN};
 
-static pm__cell text(const char *value)
-{
-    return pm__text_cell(value);
-}
-
-static pm__cell number(double value)
-{
-    return pm__number_cell(value);
-}
-
-static pm__cell interval(pm__interval value)
-{
-    return pm__interval_cell(value.low, value.high);
-}
-
 /* None of what is counted here is ever 0 where it exists. */
-static pm__cell count(uint64_t value)
-{
-    return value ? pm__count_cell((size_t)value) : (pm__cell){.type = PM__ABSENT};
-}
-
 static json_t *number_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

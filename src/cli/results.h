@@ -3,6 +3,7 @@
 #define PM_CLI_RESULTS_H
 
 #include "../base/output.h"
+#include "../stats/stats.h"
 #include "options.h"
 
 #include <jansson.h>
@@ -44,14 +45,20 @@ static inline pm__cell pm__count_cell(size_t count)
     return (pm__cell){.type = PM__COUNT, .count = count};
 }
 
+/* 0 says that there is none. */
+static inline pm__cell pm__positive_cell(size_t count)
+{
+    return (pm__cell){.type = count ? PM__COUNT : PM__ABSENT, .count = count};
+}
+
 static inline pm__cell pm__number_cell(double number)
 {
     return (pm__cell){.type = PM__NUMBER, .number = number};
 }
 
-static inline pm__cell pm__interval_cell(double low, double high)
+static inline pm__cell pm__interval_cell(pm__interval interval)
 {
-    return (pm__cell){.type = PM__INTERVAL_OF, .number = low, .high = high};
+    return (pm__cell){.type = PM__INTERVAL_OF, .number = interval.low, .high = interval.high};
 }
 
 /* Further rows, of another kind: they stand beside "rows" in JSON, and there only. */
@@ -86,8 +93,9 @@ void pm__write_json(FILE *file, const pm__results *results);
 void pm__write_csv(FILE *file, const pm__results *results);
 void pm__write_markdown(FILE *file, const pm__results *results);
 
-/* The canonical names, for "options". write_json.c */
+/* Lists for "options": canonical names; whole numbers. write_json.c */
 json_t *pm__spec_names(const pm__spec *specs, size_t count);
+json_t *pm__number_list(const size_t *values, size_t count);
 
 /* The "machine" object; NULL if out of memory. machine.c */
 json_t *pm__machine(void);

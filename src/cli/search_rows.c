@@ -4,40 +4,40 @@
 #include <string.h>
 
 /* The fields, in the order that scripts rely on; each with what fills it in. */
-#define FIELDS(X)                                             \
-    X(search, text(pm__contender_name(&row->contender)))      \
-    X(case, text(row->case_name))                             \
-    X(photons, pm__count_cell(row->photons))                  \
-    X(kind, text(row->k ? "knn" : "radius"))                  \
-    X(k, row->k ? pm__count_cell(row->k) : absent)            \
-    X(radius, number(row->radius))                            \
-    X(batch, pm__count_cell(row->batch))                      \
-    X(order, text(row->coherent ? "coherent" : "random"))     \
-    X(threads, pm__count_cell(row->threads))                  \
-    X(build_ms, number(row->build_ms))                        \
-    X(build_ms_ci95, interval(row->build_ms_ci95))            \
-    X(ns_per_query, number(row->ns))                          \
-    X(ns_per_query_ci95, interval(row->ns_ci95))              \
-    X(ns_per_query_min, number(row->ns_min))                  \
-    X(samples, pm__count_cell(row->samples))                  \
-    X(baseline, text(row->baseline))                          \
-    X(ratio, number(row->ratio))                              \
-    X(ratio_ci95, interval(row->ratio_ci95))                  \
-    X(bytes_per_photon, number(row->bytes_per_photon))        \
-    X(exact, pm__flag_cell(row->exact))                       \
-    X(status, text(row->status))                              \
-    X(detail, text(*row->detail ? row->detail : NULL))        \
-    X(lookup, text(lookup))                                   \
-    X(front, text(row->filter.front_only ? "on" : "off"))     \
-    X(count, number(row->count))                              \
-    X(outliers, pm__count_cell(row->outliers))                \
-    X(cycles, number(row->cycles))                            \
-    X(instructions, number(row->instructions))                \
-    X(aa_ratio, number(row->aa_ratio))                        \
-    X(aa_ratio_ci95, interval(row->aa_ci95))                  \
-    X(aa_false_alarm_rate, number(row->aa_false_alarm_rate))  \
-    X(noise, number(row->noise))                              \
-    X(warning, text(row->warning))                            \
+#define FIELDS(X)                                                     \
+    X(search, pm__text_cell(pm__contender_name(&row->contender)))     \
+    X(case, pm__text_cell(row->case_name))                            \
+    X(photons, pm__count_cell(row->photons))                          \
+    X(kind, pm__text_cell(row->k ? "knn" : "radius"))                 \
+    X(k, row->k ? pm__count_cell(row->k) : absent)                    \
+    X(radius, pm__number_cell(row->radius))                           \
+    X(batch, pm__count_cell(row->batch))                              \
+    X(order, pm__text_cell(row->coherent ? "coherent" : "random"))    \
+    X(threads, pm__count_cell(row->threads))                          \
+    X(build_ms, pm__number_cell(row->build_ms))                       \
+    X(build_ms_ci95, pm__interval_cell(row->build_ms_ci95))           \
+    X(ns_per_query, pm__number_cell(row->ns))                         \
+    X(ns_per_query_ci95, pm__interval_cell(row->ns_ci95))             \
+    X(ns_per_query_min, pm__number_cell(row->ns_min))                 \
+    X(samples, pm__count_cell(row->samples))                          \
+    X(baseline, pm__text_cell(row->baseline))                         \
+    X(ratio, pm__number_cell(row->ratio))                             \
+    X(ratio_ci95, pm__interval_cell(row->ratio_ci95))                 \
+    X(bytes_per_photon, pm__number_cell(row->bytes_per_photon))       \
+    X(exact, pm__flag_cell(row->exact))                               \
+    X(status, pm__text_cell(row->status))                             \
+    X(detail, pm__text_cell(*row->detail ? row->detail : NULL))       \
+    X(lookup, pm__text_cell(lookup))                                  \
+    X(front, pm__text_cell(row->filter.front_only ? "on" : "off"))    \
+    X(count, pm__number_cell(row->count))                             \
+    X(outliers, pm__count_cell(row->outliers))                        \
+    X(cycles, pm__number_cell(row->cycles))                           \
+    X(instructions, pm__number_cell(row->instructions))               \
+    X(aa_ratio, pm__number_cell(row->aa_ratio))                       \
+    X(aa_ratio_ci95, pm__interval_cell(row->aa_ci95))                 \
+    X(aa_false_alarm_rate, pm__number_cell(row->aa_false_alarm_rate)) \
+    X(noise, pm__number_cell(row->noise))                             \
+    X(warning, pm__text_cell(row->warning))                           \
     X(ratio_samples, samples(row))
 
 static const char *const fields[] = {
@@ -52,21 +52,6 @@ typedef struct source {
     const pm__search_row *rows;
     char lookup[48];
 } source;
-
-static pm__cell text(const char *value)
-{
-    return pm__text_cell(value);
-}
-
-static pm__cell number(double value)
-{
-    return pm__number_cell(value);
-}
-
-static pm__cell interval(pm__interval value)
-{
-    return pm__interval_cell(value.low, value.high);
-}
 
 static pm__cell samples(const pm__search_row *row)
 {
@@ -90,14 +75,6 @@ static void fill_row(void *context, size_t index, pm__cell *cells)
 #undef X
     };
     memcpy(cells, filled, sizeof filled);
-}
-
-static json_t *counts(const size_t *values, size_t count)
-{
-    json_t *const list = json_array();
-    for (size_t i = 0; i < count; i++)
-        (void)json_array_append_new(list, json_integer((json_int_t)values[i]));
-    return list;
 }
 
 static json_t *names_of_cases(const pm__search_config *config)
@@ -155,8 +132,8 @@ static json_t *options_of(const pm__search_config *config)
     (void)json_object_set_new(options, "case", names_of_cases(config));
     (void)json_object_set_new(options, "input", config->given_name ? json_string(config->given_name) : json_null());
     (void)json_object_set_new(options, "photons",
-                              counts(config->photons, config->given_name ? 0 : config->photon_count));
-    (void)json_object_set_new(options, "k", counts(config->ks, config->k_count));
+                              pm__number_list(config->photons, config->given_name ? 0 : config->photon_count));
+    (void)json_object_set_new(options, "k", pm__number_list(config->ks, config->k_count));
     (void)json_object_set_new(options, "radius", radius_option(config));
     (void)json_object_set_new(options, "order", order_names(config));
     (void)json_object_set_new(options, "filters", filter_names(config));

@@ -7,24 +7,24 @@
 
 /* The fields, in the order that scripts rely on; each with what fills it in. */
 #define FIELDS(X)                                                 \
-    X(scene, text(from->scene))                                   \
-    X(quantity, text(pm__quantity_names[row->quantity]))          \
-    X(method, text(row->method))                                  \
+    X(scene, pm__text_cell(from->scene))                          \
+    X(quantity, pm__text_cell(pm__quantity_names[row->quantity])) \
+    X(method, pm__text_cell(row->method))                         \
     X(photons, pm__count_cell(row->photons))                      \
     X(threads, pm__count_cell(row->threads))                      \
-    X(seconds, number(row->seconds))                              \
-    X(baseline, text(row->baseline))                              \
-    X(baseline_seconds, number(row->baseline_seconds))            \
-    X(ratio, number(row->ratio))                                  \
-    X(ratio_ci95, interval(row->ratio_ci95))                      \
-    X(promise, number(row->promise))                              \
+    X(seconds, pm__number_cell(row->seconds))                     \
+    X(baseline, pm__text_cell(row->baseline))                     \
+    X(baseline_seconds, pm__number_cell(row->baseline_seconds))   \
+    X(ratio, pm__number_cell(row->ratio))                         \
+    X(ratio_ci95, pm__interval_cell(row->ratio_ci95))             \
+    X(promise, pm__number_cell(row->promise))                     \
     X(samples, pm__count_cell(row->samples))                      \
-    X(status, text(row->status))                                  \
-    X(detail, text(*row->detail ? row->detail : NULL))            \
+    X(status, pm__text_cell(row->status))                         \
+    X(detail, pm__text_cell(*row->detail ? row->detail : NULL))   \
     X(agree, row->compared ? pm__flag_cell(row->agree) : absent)  \
-    X(aa_ratio, number(row->aa_ratio))                            \
-    X(aa_ratio_ci95, interval(row->aa_ci95))                      \
-    X(warning, text(row->warning))
+    X(aa_ratio, pm__number_cell(row->aa_ratio))                   \
+    X(aa_ratio_ci95, pm__interval_cell(row->aa_ci95))             \
+    X(warning, pm__text_cell(row->warning))
 
 static const char *const fields[] = {
 #define X(name, value) #name,
@@ -38,21 +38,6 @@ typedef struct source {
     const pm__speed_row *rows;
     char scene[PM__MAX_SPEC];
 } source;
-
-static pm__cell text(const char *value)
-{
-    return pm__text_cell(value);
-}
-
-static pm__cell number(double value)
-{
-    return pm__number_cell(value);
-}
-
-static pm__cell interval(pm__interval value)
-{
-    return pm__interval_cell(value.low, value.high);
-}
 
 static void fill_row(void *context, size_t index, pm__cell *cells)
 {

@@ -6,62 +6,62 @@
 #include <string.h>
 
 /* The fields, in the order that scripts rely on; each with what fills it in. */
-#define ROW_FIELDS(X)                                                           \
-    X(scene, text(from->scene))                                                 \
-    X(policy, text(from->policy))                                               \
-    X(map, text(from->map))                                                     \
-    X(emitted, number(row->emitted))                                            \
-    X(stored, number(row->stored))                                              \
-    X(importons, count(row->importons))                                         \
-    X(trace_s, number(row->trace_s))                                            \
-    X(total_s, number(row->total_s))                                            \
-    X(flux_stored, number(row->flux[PM__EVERYWHERE]))                           \
-    X(flux_expected, number(row->expected[PM__EVERYWHERE]))                     \
-    X(power_spread, number(row->spread))                                        \
-    X(rel_bias, number(row->error.bias))                                        \
-    X(rel_noise, number(row->error.noise))                                      \
-    X(rel_rmse, number(row->error.rmse))                                        \
-    X(rel_rmse_ci95, interval(row->error.rmse_ci95))                            \
-    X(rel_bias_ci95, interval(row->error.bias_ci95))                            \
-    X(rms_bias, number(row->error.rms_bias))                                    \
-    X(rel_added, number(row->error.added))                                      \
-    X(rel_added_ci95, interval(row->error.added_ci95))                          \
-    X(photons, count(row->photons))                                             \
-    X(wanted, count(row->wanted))                                               \
-    X(trials, count(row->trials))                                               \
-    X(importance_s, number(row->importance_s))                                  \
-    X(policy_s, number(row->policy_s))                                          \
-    X(build_s, number(row->build_s))                                            \
-    X(flux_kept, number(row->kept))                                             \
-    X(flux_ratio, number(row->flux[PM__EVERYWHERE] / row->expected[PM__EVERYWHERE])) \
-    X(flux_ratio_ci95, interval(row->flux_ci95[PM__EVERYWHERE]))                \
-    X(flux_important_stored, number(row->flux[PM__IMPORTANT]))                  \
-    X(flux_important_expected, number(row->expected[PM__IMPORTANT]))            \
-    X(flux_important_ratio, number(row->flux[PM__IMPORTANT] / row->expected[PM__IMPORTANT])) \
-    X(flux_important_ratio_ci95, interval(row->flux_ci95[PM__IMPORTANT]))       \
-    X(unmet, from->unsupported ? absent : pm__count_cell(row->unmet))           \
-    X(spp, count(from->scene_item->result.spp))                                 \
-    X(truth_mean, number(from->scene_item->result.truth_mean > 0.0 ?            \
-                         from->scene_item->result.truth_mean : (double)NAN))    \
-    X(status, text(from->scene_item->status))                                   \
-    X(detail, text(*from->detail ? from->detail : NULL))
+#define ROW_FIELDS(X)                                                                                 \
+    X(scene, pm__text_cell(from->scene))                                                              \
+    X(policy, pm__text_cell(from->policy))                                                            \
+    X(map, pm__text_cell(from->map))                                                                  \
+    X(emitted, pm__number_cell(row->emitted))                                                         \
+    X(stored, pm__number_cell(row->stored))                                                           \
+    X(importons, pm__positive_cell(row->importons))                                                   \
+    X(trace_s, pm__number_cell(row->trace_s))                                                         \
+    X(total_s, pm__number_cell(row->total_s))                                                         \
+    X(flux_stored, pm__number_cell(row->flux[PM__EVERYWHERE]))                                        \
+    X(flux_expected, pm__number_cell(row->expected[PM__EVERYWHERE]))                                  \
+    X(power_spread, pm__number_cell(row->spread))                                                     \
+    X(rel_bias, pm__number_cell(row->error.bias))                                                     \
+    X(rel_noise, pm__number_cell(row->error.noise))                                                   \
+    X(rel_rmse, pm__number_cell(row->error.rmse))                                                     \
+    X(rel_rmse_ci95, pm__interval_cell(row->error.rmse_ci95))                                         \
+    X(rel_bias_ci95, pm__interval_cell(row->error.bias_ci95))                                         \
+    X(rms_bias, pm__number_cell(row->error.rms_bias))                                                 \
+    X(rel_added, pm__number_cell(row->error.added))                                                   \
+    X(rel_added_ci95, pm__interval_cell(row->error.added_ci95))                                       \
+    X(photons, pm__positive_cell(row->photons))                                                       \
+    X(wanted, pm__positive_cell(row->wanted))                                                         \
+    X(trials, pm__positive_cell(row->trials))                                                         \
+    X(importance_s, pm__number_cell(row->importance_s))                                               \
+    X(policy_s, pm__number_cell(row->policy_s))                                                       \
+    X(build_s, pm__number_cell(row->build_s))                                                         \
+    X(flux_kept, pm__number_cell(row->kept))                                                          \
+    X(flux_ratio, pm__number_cell(row->flux[PM__EVERYWHERE] / row->expected[PM__EVERYWHERE]))         \
+    X(flux_ratio_ci95, pm__interval_cell(row->flux_ci95[PM__EVERYWHERE]))                             \
+    X(flux_important_stored, pm__number_cell(row->flux[PM__IMPORTANT]))                               \
+    X(flux_important_expected, pm__number_cell(row->expected[PM__IMPORTANT]))                         \
+    X(flux_important_ratio, pm__number_cell(row->flux[PM__IMPORTANT] / row->expected[PM__IMPORTANT])) \
+    X(flux_important_ratio_ci95, pm__interval_cell(row->flux_ci95[PM__IMPORTANT]))                    \
+    X(unmet, from->unsupported ? absent : pm__count_cell(row->unmet))                                 \
+    X(spp, pm__positive_cell(from->scene_item->result.spp))                                           \
+    X(truth_mean, pm__number_cell(from->scene_item->result.truth_mean > 0.0 ?                         \
+                         from->scene_item->result.truth_mean : (double)NAN))                          \
+    X(status, pm__text_cell(from->scene_item->status))                                                \
+    X(detail, pm__text_cell(*from->detail ? from->detail : NULL))
 
-#define FRONT_FIELDS(X)                                                         \
-    X(scene, text(from->scene))                                                 \
-    X(policy, text(from->policy))                                               \
-    X(map, text(from->map))                                                     \
-    X(measure, text(front->whole ? "rmse" : "added"))                           \
-    X(rel_error, number(front->rel_error))                                      \
-    X(stored_ratio, number(front->stored_ratio))                                \
-    X(stored_ratio_ci95, interval(front->stored_ci95))                          \
-    X(trace_ratio, number(front->trace_ratio))                                  \
-    X(trace_ratio_ci95, interval(front->trace_ci95))                            \
-    X(time_ratio, number(front->time_ratio))                                    \
-    X(time_ratio_ci95, interval(front->time_ci95))                              \
-    X(stored_front, pairs(from, front, false)) \
-    X(time_front, pairs(from, front, true))      \
-    X(status, text(isfinite(front->stored_ratio) ? "ok" : "incomparable"))      \
-    X(detail, text(*front->detail ? front->detail : NULL))
+#define FRONT_FIELDS(X)                                                             \
+    X(scene, pm__text_cell(from->scene))                                            \
+    X(policy, pm__text_cell(from->policy))                                          \
+    X(map, pm__text_cell(from->map))                                                \
+    X(measure, pm__text_cell(front->whole ? "rmse" : "added"))                      \
+    X(rel_error, pm__number_cell(front->rel_error))                                 \
+    X(stored_ratio, pm__number_cell(front->stored_ratio))                           \
+    X(stored_ratio_ci95, pm__interval_cell(front->stored_ci95))                     \
+    X(trace_ratio, pm__number_cell(front->trace_ratio))                             \
+    X(trace_ratio_ci95, pm__interval_cell(front->trace_ci95))                       \
+    X(time_ratio, pm__number_cell(front->time_ratio))                               \
+    X(time_ratio_ci95, pm__interval_cell(front->time_ci95))                         \
+    X(stored_front, pairs(from, front, false))                                      \
+    X(time_front, pairs(from, front, true))                                         \
+    X(status, pm__text_cell(isfinite(front->stored_ratio) ? "ok" : "incomparable")) \
+    X(detail, pm__text_cell(*front->detail ? front->detail : NULL))
 
 #define X(name, value) #name,
 static const char *const row_fields[] = {ROW_FIELDS(X)};
@@ -80,27 +80,7 @@ typedef struct source {
 
 static const pm__cell absent = {.type = PM__ABSENT};
 
-static pm__cell text(const char *value)
-{
-    return pm__text_cell(value);
-}
-
-static pm__cell number(double value)
-{
-    return pm__number_cell(value);
-}
-
-static pm__cell interval(pm__interval value)
-{
-    return pm__interval_cell(value.low, value.high);
-}
-
 /* None of what is counted here is ever 0 where it exists. */
-static pm__cell count(size_t value)
-{
-    return value ? pm__count_cell(value) : absent;
-}
-
 /* [[cost, error], ...] */
 static pm__cell pairs(const source *from, const pm__storage_front *front, bool time)
 {
@@ -206,14 +186,6 @@ static void fill_front(void *context, size_t index, pm__cell *cells)
 
 #undef X
 
-static json_t *counts_of(const size_t *items, size_t how_many)
-{
-    json_t *const list = json_array();
-    for (size_t i = 0; i < how_many; i++)
-        (void)json_array_append_new(list, json_integer((json_int_t)items[i]));
-    return list;
-}
-
 static json_t *maps_of(const pm__storage_wish *wish)
 {
     json_t *const list = json_array();
@@ -232,8 +204,8 @@ static json_t *options_of(const pm__storage_task *task)
     (void)snprintf(size, sizeof size, w->width ? "%zux%zu" : "auto", w->width, w->height);
     (void)json_object_set_new(options, "scene", pm__spec_names(s->cases.items, s->cases.count));
     (void)json_object_set_new(options, "policy", pm__spec_names(w->policies, w->policy_count));
-    (void)json_object_set_new(options, "photons", counts_of(w->photons, w->photon_count));
-    (void)json_object_set_new(options, "stored", counts_of(w->stored, w->stored_count));
+    (void)json_object_set_new(options, "photons", pm__number_list(w->photons, w->photon_count));
+    (void)json_object_set_new(options, "stored", pm__number_list(w->stored, w->stored_count));
     (void)json_object_set_new(options, "map", maps_of(w));
     (void)json_object_set_new(options, "k", json_integer((json_int_t)w->k));
     (void)json_object_set_new(options, "trials", json_integer((json_int_t)w->trials));

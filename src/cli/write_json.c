@@ -140,3 +140,11 @@ json_t *pm__spec_names(const pm__spec *specs, size_t count)
     }
     return list;
 }
+
+json_t *pm__number_list(const size_t *values, size_t count)
+{
+    json_t *const list = json_array();
+    for (size_t i = 0; i < count; i++)
+        (void)json_array_append_new(list, json_integer((json_int_t)values[i]));
+    return list;
+}

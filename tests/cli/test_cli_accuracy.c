@@ -1,5 +1,6 @@
 /* accuracy as a script sees it: rows, files, threads, interruption, terminals. */
 #include "../program.h"
+#include "../rows.h"
 
 #include <pty.h>
 #include <signal.h>
@@ -17,19 +18,12 @@ static const char row_keys[] =
     "rel_bias rel_bias_ci95 rms_bias rms_bias_ci95 rel_noise rel_noise_ci95 rel_rmse rel_rmse_ci95 "
     "predicted_rel_bias predicted_rel_noise ns_per_query ns_per_query_ci95 cost_s efficiency pareto status detail";
 
-static const char *text_of(json_t *object, const char *key)
-{
-    const char *const text = json_string_value(json_object_get(object, key));
-    ck_assert_msg(text != NULL, "%s is no text", key);
-    return text;
-}
-
 START_TEST(json_has_the_contract)
 {
     json_t *const root = pm__expect_json("accuracy --case square --estimator disc,hull " SMALL "--seed 7 --json -");
     pm__check_keys(root, head_keys);
-    ck_assert_str_eq(text_of(root, "schema"), "photonbench/1");
-    ck_assert_str_eq(text_of(root, "command"), "accuracy");
+    ck_assert_str_eq(pm__text_of(root, "schema"), "photonbench/1");
+    ck_assert_str_eq(pm__text_of(root, "command"), "accuracy");
     ck_assert_int_eq(json_integer_value(json_object_get(root, "seed")), 7);
     pm__check_keys(json_object_get(root, "machine"), machine_keys);
     json_t *const rows = json_object_get(root, "rows");
@@ -38,14 +32,14 @@ START_TEST(json_has_the_contract)
     json_t *row;
     json_array_foreach(rows, index, row) {
         pm__check_keys(row, row_keys);
-        ck_assert_str_eq(text_of(row, "case"), "square:irradiance=1");
-        ck_assert_str_eq(text_of(row, "kind"), "knn");
-        ck_assert_str_eq(text_of(row, "front"), "on");
+        ck_assert_str_eq(pm__text_of(row, "case"), "square:irradiance=1");
+        ck_assert_str_eq(pm__text_of(row, "kind"), "knn");
+        ck_assert_str_eq(pm__text_of(row, "front"), "on");
         ck_assert(json_is_null(json_object_get(row, "radius")));
         json_t *const ci95 = json_object_get(row, "rel_bias_ci95");
         ck_assert_uint_eq(json_array_size(ci95), 2);
         ck_assert_double_le(json_real_value(json_array_get(ci95, 0)), json_real_value(json_array_get(ci95, 1)));
-        ck_assert_str_eq(text_of(row, "status"), "ok");
+        ck_assert_str_eq(pm__text_of(row, "status"), "ok");
     }
     json_decref(root);
 }
@@ -56,9 +50,9 @@ START_TEST(fixed_radius)
     json_t *const root = pm__expect_json("accuracy --case square --estimator disc --trials 2 --probes 4 --photons 500 "
                                          "--radius 0.25 --lookup disc:0.5 --front off --json -");
     json_t *const row = json_array_get(json_object_get(root, "rows"), 0);
-    ck_assert_str_eq(text_of(row, "kind"), "radius");
-    ck_assert_str_eq(text_of(row, "lookup"), "disc:0.5");
-    ck_assert_str_eq(text_of(row, "front"), "off");
+    ck_assert_str_eq(pm__text_of(row, "kind"), "radius");
+    ck_assert_str_eq(pm__text_of(row, "lookup"), "disc:0.5");
+    ck_assert_str_eq(pm__text_of(row, "front"), "off");
     ck_assert(json_is_null(json_object_get(row, "k")));
     ck_assert(json_real_value(json_object_get(row, "radius")) == 0.25);
     json_decref(root);
@@ -81,10 +75,10 @@ START_TEST(a_volume_has_no_hull)
     json_t *const root = pm__expect_json("accuracy --case volume --estimator hull " SMALL "--json -");
     json_t *const row = json_array_get(json_object_get(root, "rows"), 0);
     pm__check_keys(row, row_keys);
-    ck_assert_str_eq(text_of(row, "status"), "unsupported");
+    ck_assert_str_eq(pm__text_of(row, "status"), "unsupported");
     ck_assert(json_is_null(json_object_get(row, "rel_bias")));
     ck_assert(json_is_null(json_object_get(row, "rel_bias_ci95")));
-    ck_assert_uint_gt(strlen(text_of(row, "detail")), 0);
+    ck_assert_uint_gt(strlen(pm__text_of(row, "detail")), 0);
     json_decref(root);
 }
 END_TEST
@@ -150,7 +144,7 @@ START_TEST(lists_in_any_form)
                                           "--estimator disc:last=none --trials 3 --probes 16 --photons 500 --k 10 "
                                           "--k 20,10 --json -");
     ck_assert(json_equal(commas, repeated));
-    ck_assert_str_eq(text_of(json_array_get(commas, 2), "estimator"), "cone:k=2,last=full");
+    ck_assert_str_eq(pm__text_of(json_array_get(commas, 2), "estimator"), "cone:k=2,last=full");
     json_decref(commas);
     json_decref(repeated);
 }

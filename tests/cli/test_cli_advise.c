@@ -1,51 +1,34 @@
 /* `photonbench advise` as a user runs it. Which row is cheapest depends on the clock; what a row says does not where
  * there is one estimator and no bias: the smallest map is the cheapest then. */
 #include "../program.h"
+#include "../rows.h"
 
 #include <stdbool.h>
 #include <unistd.h>
 
 #define TINY "--estimator disc:last=none --method map --probes 200 --photons 8000 --seconds 1 "
 
-static json_t *row_of(json_t *root, size_t index)
-{
-    json_t *const row = json_array_get(json_object_get(root, "rows"), index);
-    ck_assert(json_is_object(row));
-    return row;
-}
-
-static double number(const json_t *row, const char *field)
-{
-    return json_number_value(json_object_get(row, field));
-}
-
-static const char *text(const json_t *row, const char *field)
-{
-    const char *const value = json_string_value(json_object_get(row, field));
-    return value ? value : "";
-}
-
 START_TEST(fields_are_the_contract)
 {
     json_t *const root = pm__expect_json("advise gradient --error 10% " TINY "--json -");
-    json_t *const row = row_of(root, 0);
-    ck_assert_str_eq(text(root, "command"), "advise");
+    json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_str_eq(pm__text_of(root, "command"), "advise");
     ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 1);
     pm__check_keys(row, "case error method estimator k radius photons passes trials predicted_rel_bias "
                         "predicted_rel_noise predicted_rel_rmse predicted_seconds advised command reached_rel_rmse "
                         "reached_rel_rmse_ci95 reached_seconds ratio status detail");
-    ck_assert_str_eq(text(row, "method"), "map");
-    ck_assert_str_eq(text(row, "estimator"), "disc:last=none");
-    ck_assert_str_eq(text(row, "status"), "ok");
+    ck_assert_str_eq(pm__text_of(row, "method"), "map");
+    ck_assert_str_eq(pm__text_of(row, "estimator"), "disc:last=none");
+    ck_assert_str_eq(pm__text_of(row, "status"), "ok");
     ck_assert(json_is_true(json_object_get(row, "advised")));
     ck_assert(json_is_null(json_object_get(row, "passes")));
     ck_assert(json_is_null(json_object_get(row, "reached_rel_rmse")));
-    PM_CHECK_NEAR(number(row, "error"), 0.1, 1e-15);
-    PM_CHECK_NEAR(number(row, "predicted_rel_rmse"), 0.1, 1e-3);
+    PM_CHECK_NEAR(pm__number_of(row, "error"), 0.1, 1e-15);
+    PM_CHECK_NEAR(pm__number_of(row, "predicted_rel_rmse"), 0.1, 1e-3);
     /* noise 1 / (k - 2), share 1 / 16, and a mean square of the light on the slope of 1 + 1 / 12 at most */
-    ck_assert_double_ge(number(row, "k"), 95.0);
-    ck_assert_double_le(number(row, "k"), 115.0);
-    PM_CHECK_NEAR(number(row, "photons"), 16.0 * number(row, "k"), 1.0);
+    ck_assert_double_ge(pm__number_of(row, "k"), 95.0);
+    ck_assert_double_le(pm__number_of(row, "k"), 115.0);
+    PM_CHECK_NEAR(pm__number_of(row, "photons"), 16.0 * pm__number_of(row, "k"), 1.0);
     json_decref(root);
 }
 END_TEST
@@ -59,10 +42,10 @@ START_TEST(ways_to_say_the_same)
     json_t *const first = pm__expect_json(ways[0]), *const second = pm__expect_json(ways[1]);
     static const char *const fields[] = {"case", "error", "estimator", "method"};
     for (size_t f = 0; f < 4; f++)
-        ck_assert_msg(json_equal(json_object_get(row_of(first, 0), fields[f]),
-                                 json_object_get(row_of(second, 0), fields[f])),
+        ck_assert_msg(json_equal(json_object_get(pm__item(first, "rows", 0), fields[f]),
+                                 json_object_get(pm__item(second, "rows", 0), fields[f])),
                       "%s", fields[f]);
-    ck_assert_str_eq(text(row_of(first, 0), "case"), "scene:furnace:albedo=0.5");
+    ck_assert_str_eq(pm__text_of(pm__item(first, "rows", 0), "case"), "scene:furnace:albedo=0.5");
     json_decref(first);
     json_decref(second);
 }
@@ -73,15 +56,15 @@ START_TEST(the_command_does_what_verify_did)
 {
     char command[1200];
     json_t *const root = pm__expect_json("advise gradient --error 10% --verify --seed 7 " TINY "--json -");
-    json_t *const row = row_of(root, 0);
-    ck_assert_str_eq(text(row, "status"), "ok");
-    PM_CHECK_NEAR(number(row, "ratio"), number(row, "reached_rel_rmse") / 0.1, 1e-12);
-    ck_assert_int_eq(strncmp(text(row, "command"), "photonbench accuracy ", 21), 0);
-    (void)snprintf(command, sizeof command, "%s --json -", text(row, "command") + strlen("photonbench "));
+    json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_str_eq(pm__text_of(row, "status"), "ok");
+    PM_CHECK_NEAR(pm__number_of(row, "ratio"), pm__number_of(row, "reached_rel_rmse") / 0.1, 1e-12);
+    ck_assert_int_eq(strncmp(pm__text_of(row, "command"), "photonbench accuracy ", 21), 0);
+    (void)snprintf(command, sizeof command, "%s --json -", pm__text_of(row, "command") + strlen("photonbench "));
     json_t *const again = pm__expect_json(command);
-    json_t *const measured = row_of(again, 0);
-    ck_assert_str_eq(text(measured, "region"), "all");
-    ck_assert_double_eq(number(measured, "rel_rmse"), number(row, "reached_rel_rmse"));
+    json_t *const measured = pm__item(again, "rows", 0);
+    ck_assert_str_eq(pm__text_of(measured, "region"), "all");
+    ck_assert_double_eq(pm__number_of(measured, "rel_rmse"), pm__number_of(row, "reached_rel_rmse"));
     ck_assert(json_equal(json_object_get(measured, "rel_rmse_ci95"), json_object_get(row, "reached_rel_rmse_ci95")));
     json_decref(again);
     json_decref(root);
@@ -93,22 +76,17 @@ START_TEST(the_command_of_passes_does_so_too)
     char command[1200];
     json_t *const root = pm__expect_json(
         "advise furnace --error 30% --verify --method ppm --photons 60000 --seconds 1 --json -");
-    json_t *const row = row_of(root, 0);
+    json_t *const row = pm__item(root, "rows", 0);
     ck_assert(json_is_integer(json_object_get(row, "passes")));
-    ck_assert_int_eq(strncmp(text(row, "command"), "photonbench converge ", 21), 0);
-    (void)snprintf(command, sizeof command, "%s --json -", text(row, "command") + strlen("photonbench "));
+    ck_assert_int_eq(strncmp(pm__text_of(row, "command"), "photonbench converge ", 21), 0);
+    (void)snprintf(command, sizeof command, "%s --json -", pm__text_of(row, "command") + strlen("photonbench "));
     json_t *const again = pm__expect_json(command);
     json_t *const rows = json_object_get(again, "rows"), *const last = json_array_get(rows, json_array_size(rows) - 1);
-    ck_assert_double_eq(number(last, "rel_rmse"), number(row, "reached_rel_rmse"));
+    ck_assert_double_eq(pm__number_of(last, "rel_rmse"), pm__number_of(row, "reached_rel_rmse"));
     json_decref(again);
     json_decref(root);
 }
 END_TEST
-
-static bool is_null(const json_t *row, const char *field)
-{
-    return json_is_null(json_object_get(row, field));
-}
 
 /* What a method has not is not told, and not asked for by the command, which does the same all the same. */
 START_TEST(methods_have_what_they_have)
@@ -118,19 +96,20 @@ START_TEST(methods_have_what_they_have)
                                          "--estimator disc,cone --photons 2000000 --seconds 1 --json -");
     ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 2);
     for (size_t i = 0; i < 2; i++) {
-        json_t *const row = row_of(root, i);
-        const bool path = strcmp(text(row, "method"), "path") == 0;
-        ck_assert_str_eq(text(row, "status"), "ok");
-        ck_assert(is_null(row, "estimator") && is_null(row, "k") && is_null(row, "photons") == path);
-        ck_assert(strstr(text(row, "command"), "--estimator") == NULL && strstr(text(row, "command"), "--k") == NULL);
-        ck_assert(strstr(text(row, "command"), "--alpha") == NULL);
-        ck_assert((strstr(text(row, "command"), "--photons-per-pass") == NULL) == path);
+        json_t *const row = pm__item(root, "rows", i);
+        const bool path = strcmp(pm__text_of(row, "method"), "path") == 0;
+        ck_assert_str_eq(pm__text_of(row, "status"), "ok");
+        ck_assert(pm__is_null(row, "estimator") && pm__is_null(row, "k") && pm__is_null(row, "photons") == path);
+        ck_assert(strstr(pm__text_of(row, "command"), "--estimator") == NULL);
+        ck_assert(strstr(pm__text_of(row, "command"), "--k") == NULL);
+        ck_assert(strstr(pm__text_of(row, "command"), "--alpha") == NULL);
+        ck_assert((strstr(pm__text_of(row, "command"), "--photons-per-pass") == NULL) == path);
     }
-    json_t *const row = row_of(root, 0);
-    (void)snprintf(command, sizeof command, "%s --json -", text(row, "command") + strlen("photonbench "));
+    json_t *const row = pm__item(root, "rows", 0);
+    (void)snprintf(command, sizeof command, "%s --json -", pm__text_of(row, "command") + strlen("photonbench "));
     json_t *const again = pm__expect_json(command);
     json_t *const rows = json_object_get(again, "rows"), *const last = json_array_get(rows, json_array_size(rows) - 1);
-    ck_assert_double_eq(number(last, "rel_rmse"), number(row, "reached_rel_rmse"));
+    ck_assert_double_eq(pm__number_of(last, "rel_rmse"), pm__number_of(row, "reached_rel_rmse"));
     json_decref(again);
     json_decref(root);
 }
@@ -145,10 +124,10 @@ START_TEST(what_passes_cannot_mend)
     json_t *const root = json_loads(run->out, 0, &error);
     ck_assert_ptr_nonnull(root);
     for (size_t i = 0; i < 2; i++) {
-        json_t *const row = row_of(root, i);
-        ck_assert_str_eq(text(row, "status"), "unreachable");
-        ck_assert_double_eq(number(row, "passes"), 1.0);
-        ck_assert_ptr_nonnull(strstr(text(row, "detail"), "every pass gives the same answer: "));
+        json_t *const row = pm__item(root, "rows", i);
+        ck_assert_str_eq(pm__text_of(row, "status"), "unreachable");
+        ck_assert_double_eq(pm__number_of(row, "passes"), 1.0);
+        ck_assert_ptr_nonnull(strstr(pm__text_of(row, "detail"), "every pass gives the same answer: "));
     }
     json_decref(root);
     const char *out = pm__expect("advise furnace --error 0.0001% --method pppm --seconds 0.5", 1, "out of reach")->out;
@@ -163,7 +142,7 @@ START_TEST(a_reference_alone)
 {
     json_t *const root = pm__expect_json("advise lamp --error 60% --seconds 1 --json -");
     ck_assert_uint_eq(json_array_size(json_object_get(root, "rows")), 1);
-    ck_assert_str_eq(text(row_of(root, 0), "method"), "pppm");
+    ck_assert_str_eq(pm__text_of(pm__item(root, "rows", 0), "method"), "pppm");
     json_decref(root);
     (void)pm__expect("advise lamp:albedo=0.5 --error 20%", 2,
                      "advise: scene:lamp:albedo=0.5 has no exact answer, and the stored reference of scene:lamp is of "
@@ -175,10 +154,10 @@ END_TEST
 START_TEST(better_is_well_where_nothing_is_smaller)
 {
     json_t *const root = pm__expect_json("advise furnace --error 50% --method pppm --verify --seconds 0.5 --json -");
-    json_t *const row = row_of(root, 0);
-    ck_assert_double_lt(number(row, "ratio"), 0.75);
-    ck_assert_str_eq(text(row, "status"), "ok");
-    ck_assert_ptr_nonnull(strstr(text(row, "detail"), "the least there is"));
+    json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_double_lt(pm__number_of(row, "ratio"), 0.75);
+    ck_assert_str_eq(pm__text_of(row, "status"), "ok");
+    ck_assert_ptr_nonnull(strstr(pm__text_of(row, "detail"), "the least there is"));
     json_decref(root);
 }
 END_TEST
@@ -201,13 +180,13 @@ START_TEST(interrupted_while_it_verifies)
     }
     json_t *const root = json_load_file(json, 0, NULL);
     ck_assert_ptr_nonnull(root);
-    json_t *const row = row_of(root, 0);
+    json_t *const row = pm__item(root, "rows", 0);
     ck_assert(json_is_true(json_object_get(root, "interrupted")));
-    ck_assert_str_eq(text(row, "status"), "interrupted");
-    ck_assert_str_eq(text(row, "detail"), "its verification was interrupted");
+    ck_assert_str_eq(pm__text_of(row, "status"), "interrupted");
+    ck_assert_str_eq(pm__text_of(row, "detail"), "its verification was interrupted");
     ck_assert(json_is_true(json_object_get(row, "advised")));
-    ck_assert(is_null(row, "ratio") && is_null(row, "reached_rel_rmse"));
-    ck_assert_double_gt(number(row, "passes"), 1000.0);
+    ck_assert(pm__is_null(row, "ratio") && pm__is_null(row, "reached_rel_rmse"));
+    ck_assert_double_gt(pm__number_of(row, "passes"), 1000.0);
     ck_assert_int_gt(pm__test_read(out, said, sizeof said), 0);
     ck_assert_ptr_nonnull(strstr(said, "\n* ppm "));
     json_decref(root);
@@ -222,10 +201,10 @@ START_TEST(out_of_reach_says_what_is_not)
     json_error_t error;
     json_t *const root = json_loads(run->out, 0, &error);
     ck_assert_ptr_nonnull(root);
-    ck_assert_str_eq(text(row_of(root, 0), "status"), "unreachable");
-    ck_assert(json_is_false(json_object_get(row_of(root, 0), "advised")));
-    ck_assert_double_gt(number(row_of(root, 0), "predicted_rel_rmse"), 0.01);
-    ck_assert_uint_eq((size_t)number(row_of(root, 0), "photons"), 2000);
+    ck_assert_str_eq(pm__text_of(pm__item(root, "rows", 0), "status"), "unreachable");
+    ck_assert(json_is_false(json_object_get(pm__item(root, "rows", 0), "advised")));
+    ck_assert_double_gt(pm__number_of(pm__item(root, "rows", 0), "predicted_rel_rmse"), 0.01);
+    ck_assert_uint_eq((size_t)pm__number_of(pm__item(root, "rows", 0), "photons"), 2000);
     json_decref(root);
 }
 END_TEST

@@ -1,5 +1,6 @@
 /* compare as a script sees it, on small files made by hand. */
 #include "../program.h"
+#include "../rows.h"
 
 enum { SAMPLES = 40, TEXT = 1 << 16 };
 static pm__test_directory place;
@@ -78,12 +79,12 @@ static json_t *compare_json(const char *a, const char *b, int status)
 
 static const char *text_of(json_t *root, size_t row, const char *field)
 {
-    return json_string_value(json_object_get(json_array_get(json_object_get(root, "rows"), row), field));
+    return pm__text_of(pm__item(root, "rows", row), field);
 }
 
 static double number_of(json_t *root, size_t row, const char *field)
 {
-    return json_number_value(json_object_get(json_array_get(json_object_get(root, "rows"), row), field));
+    return pm__number_of(pm__item(root, "rows", row), field);
 }
 
 static char rows_a[TEXT], rows_b[TEXT];

@@ -1,6 +1,7 @@
 /* `photonbench converge` as a user runs it: tiny sizes; how far the numbers are right is for the tests of what lies
  * below. */
 #include "../program.h"
+#include "../rows.h"
 
 #include <stdbool.h>
 #include <time.h>
@@ -15,66 +16,35 @@ static const char fit_keys[] = "scene method estimator alpha quantity first_pass
                                "asymptote status detail";
 static const char point_keys[] = "scene method estimator alpha x y pass radius count radiance truth";
 
-static json_t *at(json_t *root, const char *list, size_t index)
-{
-    json_t *const found = json_array_get(json_object_get(root, list), index);
-    ck_assert_msg(found != NULL, "no %s[%zu]", list, index);
-    return found;
-}
-
-static size_t count_of(json_t *root, const char *list)
-{
-    ck_assert(json_is_array(json_object_get(root, list)));
-    return json_array_size(json_object_get(root, list));
-}
-
-static const char *text_of(const json_t *row, const char *field)
-{
-    const char *const text = json_string_value(json_object_get(row, field));
-    return text ? text : "";
-}
-
-static double number_of(const json_t *row, const char *field)
-{
-    const json_t *const value = json_object_get(row, field);
-    ck_assert_msg(json_is_number(value), "%s is no number", field);
-    return json_number_value(value);
-}
-
-static bool is_null(const json_t *row, const char *field)
-{
-    return json_is_null(json_object_get(row, field));
-}
-
 START_TEST(rows_have_the_contract)
 {
     json_t *const root = pm__expect_json("converge plate " TINY "--json -");
     static const int passes[] = {1, 2, 4, 6};
     pm__check_keys(root, "schema command version options seed machine wall_s rows fits points");
-    ck_assert_str_eq(text_of(root, "command"), "converge");
-    ck_assert_uint_eq(count_of(root, "rows"), 4);
+    ck_assert_str_eq(pm__text_of(root, "command"), "converge");
+    ck_assert_uint_eq(pm__items(root, "rows"), 4);
     for (size_t i = 0; i < 4; i++) {
-        json_t *const row = at(root, "rows", i);
+        json_t *const row = pm__item(root, "rows", i);
         pm__check_keys(row, row_keys);
-        ck_assert_str_eq(text_of(row, "scene"), "scene:plate:ior=1.5,thickness=0.2");
-        ck_assert_str_eq(text_of(row, "paths"), "LSSD");
-        ck_assert_str_eq(text_of(row, "method"), "ppm:flux=corrected,start=zero");
-        ck_assert_str_eq(text_of(row, "estimator"), "disc:last=full");
-        ck_assert_str_eq(text_of(row, "truth"), "exact");
-        ck_assert_str_eq(text_of(row, "status"), "ok");
-        PM_CHECK_NEAR(number_of(row, "alpha"), 0.667, 1e-15);
-        ck_assert_int_eq((int)number_of(row, "pass"), passes[i]);
-        ck_assert_int_eq((int)number_of(row, "photons"), 2000 * passes[i]);
-        ck_assert_int_eq((int)number_of(row, "trials"), 3);
-        ck_assert_double_gt(number_of(row, "points"), 0.0);
-        ck_assert_double_le(number_of(row, "points"), 64.0);
-        ck_assert_double_gt(number_of(row, "truth_mean"), 0.0);
-        ck_assert_double_gt(number_of(row, "rel_noise"), 0.0);
-        ck_assert_double_gt(number_of(row, "predicted_rel_noise"), 0.0);
+        ck_assert_str_eq(pm__text_of(row, "scene"), "scene:plate:ior=1.5,thickness=0.2");
+        ck_assert_str_eq(pm__text_of(row, "paths"), "LSSD");
+        ck_assert_str_eq(pm__text_of(row, "method"), "ppm:flux=corrected,start=zero");
+        ck_assert_str_eq(pm__text_of(row, "estimator"), "disc:last=full");
+        ck_assert_str_eq(pm__text_of(row, "truth"), "exact");
+        ck_assert_str_eq(pm__text_of(row, "status"), "ok");
+        PM_CHECK_NEAR(pm__number_of(row, "alpha"), 0.667, 1e-15);
+        ck_assert_int_eq((int)pm__number_of(row, "pass"), passes[i]);
+        ck_assert_int_eq((int)pm__number_of(row, "photons"), 2000 * passes[i]);
+        ck_assert_int_eq((int)pm__number_of(row, "trials"), 3);
+        ck_assert_double_gt(pm__number_of(row, "points"), 0.0);
+        ck_assert_double_le(pm__number_of(row, "points"), 64.0);
+        ck_assert_double_gt(pm__number_of(row, "truth_mean"), 0.0);
+        ck_assert_double_gt(pm__number_of(row, "rel_noise"), 0.0);
+        ck_assert_double_gt(pm__number_of(row, "predicted_rel_noise"), 0.0);
         ck_assert_uint_eq(json_array_size(json_object_get(row, "rel_rmse_ci95")), 2);
         /* The mean square splits into bias and noise: rel_rmse is at least either part of it. */
-        ck_assert_double_ge(number_of(row, "rel_rmse"), fabs(number_of(row, "rel_bias")));
-        ck_assert_double_ge(number_of(row, "rel_rmse"), sqrt(2.0 / 3.0) * number_of(row, "rel_noise"));
+        ck_assert_double_ge(pm__number_of(row, "rel_rmse"), fabs(pm__number_of(row, "rel_bias")));
+        ck_assert_double_ge(pm__number_of(row, "rel_rmse"), sqrt(2.0 / 3.0) * pm__number_of(row, "rel_noise"));
     }
     json_decref(root);
 }
@@ -84,23 +54,23 @@ START_TEST(fits_stand_beside_rows)
 {
     static const char *const quantities[] = {"variance", "bias", "rmse"};
     json_t *const root = pm__expect_json("converge plate " TINY "--alpha 0.5,0.8 --json -");
-    ck_assert_uint_eq(count_of(root, "fits"), 6);
+    ck_assert_uint_eq(pm__items(root, "fits"), 6);
     for (size_t i = 0; i < 6; i++) {
-        json_t *const fit = at(root, "fits", i);
+        json_t *const fit = pm__item(root, "fits", i);
         const double alpha = i < 3 ? 0.5 : 0.8;
-        const bool fits = strcmp(text_of(fit, "status"), "ok") == 0;
+        const bool fits = strcmp(pm__text_of(fit, "status"), "ok") == 0;
         pm__check_keys(fit, fit_keys);
-        ck_assert_str_eq(text_of(fit, "quantity"), quantities[i % 3]);
-        PM_CHECK_NEAR(number_of(fit, "alpha"), alpha, 1e-15);
+        ck_assert_str_eq(pm__text_of(fit, "quantity"), quantities[i % 3]);
+        PM_CHECK_NEAR(pm__number_of(fit, "alpha"), alpha, 1e-15);
         /* Errata 7: variance falls as i^-alpha, bias as i^(alpha - 1), the error as the slower of them. */
         const double want[] = {-alpha, alpha - 1.0, fmax(-alpha / 2.0, alpha - 1.0)};
-        PM_CHECK_NEAR(number_of(fit, "asymptote"), want[i % 3], 1e-12);
-        ck_assert(fits || strcmp(text_of(fit, "status"), "unfit") == 0);
-        ck_assert(is_null(fit, "slope") == !fits && is_null(fit, "first_pass") == !fits);
-        ck_assert(fits || *text_of(fit, "detail"));
+        PM_CHECK_NEAR(pm__number_of(fit, "asymptote"), want[i % 3], 1e-12);
+        ck_assert(fits || strcmp(pm__text_of(fit, "status"), "unfit") == 0);
+        ck_assert(pm__is_null(fit, "slope") == !fits && pm__is_null(fit, "first_pass") == !fits);
+        ck_assert(fits || *pm__text_of(fit, "detail"));
     }
-    ck_assert_str_eq(text_of(at(root, "fits", 0), "status"), "ok"); /* noise is always clear */
-    ck_assert_double_lt(number_of(at(root, "fits", 0), "slope"), 0.0);
+    ck_assert_str_eq(pm__text_of(pm__item(root, "fits", 0), "status"), "ok"); /* noise is always clear */
+    ck_assert_double_lt(pm__number_of(pm__item(root, "fits", 0), "slope"), 0.0);
     json_decref(root);
 }
 END_TEST
@@ -109,23 +79,24 @@ END_TEST
 START_TEST(watched_pixels)
 {
     json_t *root = pm__expect_json("converge plate " TINY "--at 3,4 --at 5,2 --at 3,4 --json -");
-    ck_assert_uint_eq(count_of(root, "points"), 8);
+    ck_assert_uint_eq(pm__items(root, "points"), 8);
     for (size_t i = 0; i < 8; i++) {
-        json_t *const point = at(root, "points", i);
+        json_t *const point = pm__item(root, "points", i);
         pm__check_keys(point, point_keys);
-        ck_assert_int_eq((int)number_of(point, "x"), i < 4 ? 3 : 5);
-        ck_assert_int_eq((int)number_of(point, "y"), i < 4 ? 4 : 2);
-        ck_assert_int_eq((int)number_of(point, "pass"), (int)number_of(at(root, "rows", i % 4), "pass"));
+        ck_assert_int_eq((int)pm__number_of(point, "x"), i < 4 ? 3 : 5);
+        ck_assert_int_eq((int)pm__number_of(point, "y"), i < 4 ? 4 : 2);
+        ck_assert_int_eq((int)pm__number_of(point, "pass"), (int)pm__number_of(pm__item(root, "rows", i % 4), "pass"));
         ck_assert_uint_eq(json_array_size(json_object_get(point, "radiance")), 3);
         ck_assert_uint_eq(json_array_size(json_object_get(point, "truth")), 3);
         if (i % 4) { /* radii shrink, photons gather */
-            ck_assert_double_lt(number_of(point, "radius"), number_of(at(root, "points", i - 1), "radius"));
-            ck_assert_double_gt(number_of(point, "count"), number_of(at(root, "points", i - 1), "count"));
+            ck_assert_double_lt(pm__number_of(point, "radius"),
+                                pm__number_of(pm__item(root, "points", i - 1), "radius"));
+            ck_assert_double_gt(pm__number_of(point, "count"), pm__number_of(pm__item(root, "points", i - 1), "count"));
         }
     }
     json_decref(root);
     root = pm__expect_json("converge plate " TINY "--json -");
-    ck_assert_uint_eq(count_of(root, "points"), 0);
+    ck_assert_uint_eq(pm__items(root, "points"), 0);
     json_decref(root);
 }
 END_TEST
@@ -158,10 +129,10 @@ START_TEST(options_are_echoed)
                       want[i].text);
         free(got);
     }
-    ck_assert_int_eq((int)number_of(root, "seed"), 7);
+    ck_assert_int_eq((int)pm__number_of(root, "seed"), 7);
     /* --photons ends a run after the pass that reaches it: the second. */
-    ck_assert_uint_eq(count_of(root, "rows"), 2 * 2 * 2 * 2 * 2);
-    ck_assert_int_eq((int)number_of(at(root, "rows", 1), "photons"), 4000);
+    ck_assert_uint_eq(pm__items(root, "rows"), 2 * 2 * 2 * 2 * 2);
+    ck_assert_int_eq((int)pm__number_of(pm__item(root, "rows", 1), "photons"), 4000);
     json_decref(root);
 }
 END_TEST
@@ -170,16 +141,16 @@ END_TEST
 START_TEST(a_search_where_one_is_named)
 {
     json_t *const own = pm__expect_json("converge plate " TINY "--json -");
-    ck_assert_str_eq(text_of(json_object_get(own, "options"), "search"), "auto");
+    ck_assert_str_eq(pm__text_of(json_object_get(own, "options"), "search"), "auto");
     static const char *const searches[] = {"grid", "wide"};
     for (size_t s = 0; s < 2; s++) {
         char arguments[200];
         (void)snprintf(arguments, sizeof arguments, "converge plate " TINY "--search %s --json -", searches[s]);
         json_t *const named = pm__expect_json(arguments);
-        ck_assert_str_eq(text_of(json_object_get(named, "options"), "search"), searches[s]);
+        ck_assert_str_eq(pm__text_of(json_object_get(named, "options"), "search"), searches[s]);
         for (size_t i = 0; i < 4; i++) {
-            const double want = number_of(at(own, "rows", i), "rel_rmse");
-            PM_CHECK_NEAR(number_of(at(named, "rows", i), "rel_rmse"), want, 1e-9 * want);
+            const double want = pm__number_of(pm__item(own, "rows", i), "rel_rmse");
+            PM_CHECK_NEAR(pm__number_of(pm__item(named, "rows", i), "rel_rmse"), want, 1e-9 * want);
         }
         json_decref(named);
     }
@@ -193,13 +164,13 @@ START_TEST(series_are_all_combinations)
     json_t *const root = pm__expect_json(
         "converge plate water --trials 2 --passes 1 --photons-per-pass 500 --size 4x4 --k 10 --method ppm,pppm "
         "--estimator disc,cone:k=2 --alpha 0.5 --alpha 0.8,0.5 --json -");
-    ck_assert_uint_eq(count_of(root, "rows"), 16);
+    ck_assert_uint_eq(pm__items(root, "rows"), 16);
     for (size_t i = 0; i < 16; i++) {
-        const json_t *const row = at(root, "rows", i);
-        ck_assert_int_eq(text_of(row, "scene")[6], i < 8 ? 'p' : 'w');
-        ck_assert_int_eq(text_of(row, "method")[1] == text_of(row, "method")[2], i / 4 % 2); /* pPPm */
-        ck_assert_int_eq(text_of(row, "estimator")[0], i / 2 % 2 ? 'c' : 'd');
-        PM_CHECK_NEAR(number_of(row, "alpha"), i % 2 ? 0.8 : 0.5, 1e-15);
+        const json_t *const row = pm__item(root, "rows", i);
+        ck_assert_int_eq(pm__text_of(row, "scene")[6], i < 8 ? 'p' : 'w');
+        ck_assert_int_eq(pm__text_of(row, "method")[1] == pm__text_of(row, "method")[2], i / 4 % 2); /* pPPm */
+        ck_assert_int_eq(pm__text_of(row, "estimator")[0], i / 2 % 2 ? 'c' : 'd');
+        PM_CHECK_NEAR(pm__number_of(row, "alpha"), i % 2 ? 0.8 : 0.5, 1e-15);
     }
     json_decref(root);
 }
@@ -208,8 +179,8 @@ END_TEST
 /* Rows, fits and points but for times. */
 static char *comparable(json_t *root)
 {
-    for (size_t i = 0; i < count_of(root, "rows"); i++)
-        (void)json_object_del(at(root, "rows", i), "seconds");
+    for (size_t i = 0; i < pm__items(root, "rows"); i++)
+        (void)json_object_del(pm__item(root, "rows", i), "seconds");
     json_t *const kept = json_pack("[O, O, O]", json_object_get(root, "rows"), json_object_get(root, "fits"),
                                    json_object_get(root, "points"));
     char *const text = json_dumps(kept, JSON_COMPACT | JSON_REAL_PRECISION(17));
@@ -274,13 +245,14 @@ END_TEST
 START_TEST(what_cannot_be_measured)
 {
     json_t *const root = pm__expect_json("converge plate " TINY "--estimator combined,disc --json -");
-    ck_assert_uint_eq(count_of(root, "rows"), 5);
-    ck_assert_uint_eq(count_of(root, "fits"), 3);
-    const json_t *const row = at(root, "rows", 0);
-    ck_assert_str_eq(text_of(row, "status"), "unsupported");
-    ck_assert_ptr_nonnull(strstr(text_of(row, "detail"), "combined"));
-    ck_assert(is_null(row, "pass") && is_null(row, "rel_rmse") && is_null(row, "points") && is_null(row, "truth"));
-    ck_assert_str_eq(text_of(at(root, "rows", 1), "status"), "ok");
+    ck_assert_uint_eq(pm__items(root, "rows"), 5);
+    ck_assert_uint_eq(pm__items(root, "fits"), 3);
+    const json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_str_eq(pm__text_of(row, "status"), "unsupported");
+    ck_assert_ptr_nonnull(strstr(pm__text_of(row, "detail"), "combined"));
+    ck_assert(pm__is_null(row, "pass") && pm__is_null(row, "rel_rmse"));
+    ck_assert(pm__is_null(row, "points") && pm__is_null(row, "truth"));
+    ck_assert_str_eq(pm__text_of(pm__item(root, "rows", 1), "status"), "ok");
     json_decref(root);
     const pm__run *const run = pm__expect("converge plate " TINY "--estimator combined,disc", 0, NULL);
     ck_assert_ptr_nonnull(strstr(run->out, "\n  unsupported: combined"));
@@ -362,7 +334,7 @@ START_TEST(a_first_radius)
 {
     json_t *const root = pm__expect_json("converge plate --trials 2 --passes 2 --photons-per-pass 40 --size 4x4 "
                                          "--radius 0.015625 --at 2,2 --json -");
-    ck_assert_double_le(number_of(at(root, "points", 0), "radius"), 0.015625);
+    ck_assert_double_le(pm__number_of(pm__item(root, "points", 0), "radius"), 0.015625);
     json_decref(root);
 }
 END_TEST
@@ -373,9 +345,9 @@ START_TEST(seconds_end_it)
     const time_t start = time(NULL);
     json_t *const root = pm__expect_json("converge plate --trials 2 --passes 1000000 --photons-per-pass 2000 "
                                          "--size 8x8 --k 20 --seconds 0.2 --json -");
-    const size_t rows = count_of(root, "rows");
+    const size_t rows = pm__items(root, "rows");
     ck_assert_uint_ge(rows, 1);
-    ck_assert_double_lt(number_of(at(root, "rows", rows - 1), "pass"), 1000000.0);
+    ck_assert_double_lt(pm__number_of(pm__item(root, "rows", rows - 1), "pass"), 1000000.0);
     ck_assert_int_le(time(NULL) - start, 60);
     json_decref(root);
 }
@@ -386,11 +358,11 @@ START_TEST(photons_end_what_emits_them)
 {
     json_t *const root = pm__expect_json("converge furnace " TINY
                                          "--passes 5 --photons 4000 --method path,light --json -");
-    ck_assert_uint_eq(count_of(root, "rows"), 4 + 2);
-    ck_assert(is_null(at(root, "rows", 3), "photons"));
-    ck_assert_double_eq(number_of(at(root, "rows", 3), "pass"), 5.0);
-    ck_assert_double_eq(number_of(at(root, "rows", 5), "pass"), 2.0);
-    ck_assert_double_eq(number_of(at(root, "rows", 5), "photons"), 4000.0);
+    ck_assert_uint_eq(pm__items(root, "rows"), 4 + 2);
+    ck_assert(pm__is_null(pm__item(root, "rows", 3), "photons"));
+    ck_assert_double_eq(pm__number_of(pm__item(root, "rows", 3), "pass"), 5.0);
+    ck_assert_double_eq(pm__number_of(pm__item(root, "rows", 5), "pass"), 2.0);
+    ck_assert_double_eq(pm__number_of(pm__item(root, "rows", 5), "photons"), 4000.0);
     json_decref(root);
     ck_assert_ptr_nonnull(strstr(pm__expect("converge furnace " TINY "--method path", 0, NULL)->out,
                                  "\n      1         - "));
@@ -416,17 +388,17 @@ END_TEST
 START_TEST(an_error_ends_it)
 {
     json_t *const root = pm__expect_json("converge plate " TINY "--passes 1000 --error 25% --method ppm,pm --json -");
-    const size_t rows = count_of(root, "rows") - 1;
-    const json_t *const first = at(root, "rows", 0), *const row = at(root, "rows", rows - 1);
-    ck_assert_double_eq(number_of(json_object_get(root, "options"), "error"), 0.25);
-    ck_assert(is_null(first, "estimated_rel_rmse") && is_null(first, "estimate_right")); /* one pass */
-    ck_assert_double_lt(number_of(row, "pass"), 1000.0);
-    ck_assert_double_ge(number_of(row, "pass"), 8.0);
-    ck_assert_double_le(number_of(row, "estimated_rel_rmse"), 0.25);
-    ck_assert_double_gt(number_of(row, "estimated_rel_rmse_mean"), 0.0);
-    ck_assert_double_gt(number_of(row, "estimate_right"), 0.5);
-    ck_assert_str_eq(text_of(at(root, "rows", rows), "status"), "unsupported");
-    ck_assert_ptr_nonnull(strstr(text_of(at(root, "rows", rows), "detail"), "cannot estimate its own error"));
+    const size_t rows = pm__items(root, "rows") - 1;
+    const json_t *const first = pm__item(root, "rows", 0), *const row = pm__item(root, "rows", rows - 1);
+    ck_assert_double_eq(pm__number_of(json_object_get(root, "options"), "error"), 0.25);
+    ck_assert(pm__is_null(first, "estimated_rel_rmse") && pm__is_null(first, "estimate_right")); /* one pass */
+    ck_assert_double_lt(pm__number_of(row, "pass"), 1000.0);
+    ck_assert_double_ge(pm__number_of(row, "pass"), 8.0);
+    ck_assert_double_le(pm__number_of(row, "estimated_rel_rmse"), 0.25);
+    ck_assert_double_gt(pm__number_of(row, "estimated_rel_rmse_mean"), 0.0);
+    ck_assert_double_gt(pm__number_of(row, "estimate_right"), 0.5);
+    ck_assert_str_eq(pm__text_of(pm__item(root, "rows", rows), "status"), "unsupported");
+    ck_assert_ptr_nonnull(strstr(pm__text_of(pm__item(root, "rows", rows), "detail"), "cannot estimate its own error"));
     json_decref(root);
     const char *const out = pm__expect("converge plate " TINY "--passes 1000 --error 0.25", 0, "")->out;
     ck_assert_ptr_nonnull(strstr(out, "   pass  first run  mean of runs   rmse  right points\n"));
@@ -463,13 +435,13 @@ START_TEST(interrupted)
     json_t *const root = json_load_file(json, 0, NULL);
     ck_assert_ptr_nonnull(root);
     ck_assert(json_is_true(json_object_get(root, "interrupted")));
-    ck_assert_uint_eq(count_of(root, "rows"), 3); /* after passes 1, 2, 3 of the first scene */
-    const json_t *const row = at(root, "rows", 0);
-    ck_assert_str_eq(text_of(row, "status"), "interrupted");
-    ck_assert_ptr_nonnull(strstr(text_of(row, "detail"), " of 100000 trials"));
-    ck_assert_double_ge(number_of(row, "trials"), 2.0);
-    ck_assert_double_lt(number_of(row, "trials"), 100000.0);
-    ck_assert_double_gt(number_of(row, "rel_rmse"), 0.0);
+    ck_assert_uint_eq(pm__items(root, "rows"), 3); /* after passes 1, 2, 3 of the first scene */
+    const json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_str_eq(pm__text_of(row, "status"), "interrupted");
+    ck_assert_ptr_nonnull(strstr(pm__text_of(row, "detail"), " of 100000 trials"));
+    ck_assert_double_ge(pm__number_of(row, "trials"), 2.0);
+    ck_assert_double_lt(pm__number_of(row, "trials"), 100000.0);
+    ck_assert_double_gt(pm__number_of(row, "rel_rmse"), 0.0);
     json_decref(root);
     pm__test_directory_remove(&place);
 }

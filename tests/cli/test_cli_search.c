@@ -1,35 +1,23 @@
 /* `photonbench search` as a user runs it: small sets, few samples; times are not looked at. */
 #include "../../bench/peer.h"
 #include "../program.h"
+#include "../rows.h"
 
 #include <math.h>
-
-static json_t *rows_of(json_t *root)
-{
-    json_t *const rows = json_object_get(root, "rows");
-    ck_assert(json_is_array(rows));
-    return rows;
-}
-
-static const char *text_of(const json_t *row, const char *field)
-{
-    const char *const text = json_string_value(json_object_get(row, field));
-    return text ? text : "";
-}
 
 START_TEST(test_fields_are_the_contract)
 {
     json_t *const root = pm__expect_json("search --photons 500 --search recursive,brute --samples 3 --json -");
-    ck_assert_str_eq(text_of(root, "command"), "search");
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 2);
-    pm__check_keys(json_array_get(rows_of(root), 0),
+    ck_assert_str_eq(pm__text_of(root, "command"), "search");
+    ck_assert_uint_eq(json_array_size(pm__rows_of(root)), 2);
+    pm__check_keys(json_array_get(pm__rows_of(root), 0),
                    "search case photons kind k radius batch order threads build_ms build_ms_ci95 ns_per_query "
                    "ns_per_query_ci95 ns_per_query_min samples baseline ratio ratio_ci95 bytes_per_photon exact status "
                    "detail lookup front count outliers cycles instructions aa_ratio aa_ratio_ci95 aa_false_alarm_rate "
                    "noise warning ratio_samples");
-    const json_t *const brute = json_array_get(rows_of(root), 1);
+    const json_t *const brute = json_array_get(pm__rows_of(root), 1);
     ck_assert_uint_eq(json_array_size(json_object_get(brute, "ratio_samples")), 3);
-    ck_assert_str_eq(text_of(brute, "baseline"), "recursive");
+    ck_assert_str_eq(pm__text_of(brute, "baseline"), "recursive");
     ck_assert_double_gt(json_number_value(json_object_get(brute, "ratio")), 0.0);
     json_decref(root);
 }
@@ -41,12 +29,12 @@ START_TEST(test_all_are_exact_on_every_set)
                                          "--order random,coherent --front on,off --samples 2 --json -");
     size_t index, own = 0, peers = 0;
     json_t *row;
-    json_array_foreach(rows_of(root), index, row) {
-        ck_assert_msg(json_is_true(json_object_get(row, "exact")), "%s on %s, %s: %s", text_of(row, "search"),
-                      text_of(row, "case"), text_of(row, "kind"), text_of(row, "detail"));
-        ck_assert_str_eq(text_of(row, "status"), "ok");
-        if (pm__peer_find(text_of(row, "search"))) {
-            ck_assert_str_eq(text_of(row, "front"), "off");
+    json_array_foreach(pm__rows_of(root), index, row) {
+        ck_assert_msg(json_is_true(json_object_get(row, "exact")), "%s on %s, %s: %s", pm__text_of(row, "search"),
+                      pm__text_of(row, "case"), pm__text_of(row, "kind"), pm__text_of(row, "detail"));
+        ck_assert_str_eq(pm__text_of(row, "status"), "ok");
+        if (pm__peer_find(pm__text_of(row, "search"))) {
+            ck_assert_str_eq(pm__text_of(row, "front"), "off");
             peers++;
         } else {
             own++;
@@ -63,7 +51,7 @@ START_TEST(test_k_above_the_photons_finds_them_all)
     json_t *const root = pm__expect_json("search --photons 7 --k 50 --search all --samples 1 --json -");
     size_t index;
     json_t *row;
-    json_array_foreach(rows_of(root), index, row) {
+    json_array_foreach(pm__rows_of(root), index, row) {
         PM_CHECK_NEAR(json_number_value(json_object_get(row, "count")), 7.0, 1e-12);
         ck_assert(json_is_true(json_object_get(row, "exact")));
     }
@@ -91,11 +79,11 @@ START_TEST(test_same_rows_but_for_times)
         pm__expect_json("search --photons 900 --k 9 --search wide,recursive --samples 1 --threads 1 --json -");
     json_t *const two =
         pm__expect_json("search --photons 900 --k 9 --search wide,recursive --samples 1 --threads 2 --json -");
-    ck_assert_uint_eq(json_array_size(rows_of(one)), json_array_size(rows_of(two)));
-    for (size_t i = 0; i < json_array_size(rows_of(one)); i++)
+    ck_assert_uint_eq(json_array_size(pm__rows_of(one)), json_array_size(pm__rows_of(two)));
+    for (size_t i = 0; i < json_array_size(pm__rows_of(one)); i++)
         for (size_t f = 0; f < sizeof fields / sizeof *fields; f++)
-            ck_assert_msg(json_equal(json_object_get(json_array_get(rows_of(one), i), fields[f]),
-                                     json_object_get(json_array_get(rows_of(two), i), fields[f])),
+            ck_assert_msg(json_equal(json_object_get(json_array_get(pm__rows_of(one), i), fields[f]),
+                                     json_object_get(json_array_get(pm__rows_of(two), i), fields[f])),
                           "row %zu: %s", i, fields[f]);
     json_decref(one);
     json_decref(two);
@@ -118,8 +106,8 @@ START_TEST(test_a_file_of_photons)
         json_t *const root = pm__expect_json(command);
         size_t index;
         json_t *row;
-        ck_assert_uint_gt(json_array_size(rows_of(root)), 0);
-        json_array_foreach(rows_of(root), index, row)
+        ck_assert_uint_gt(json_array_size(pm__rows_of(root)), 0);
+        json_array_foreach(pm__rows_of(root), index, row)
             PM_CHECK_NEAR(json_number_value(json_object_get(row, "count")), (double)count, 0.0);
         json_decref(root);
     }

@@ -1,20 +1,8 @@
 /* `photonbench speed` as a user runs it: tiny sizes; times are not looked at. */
 #include "../program.h"
+#include "../rows.h"
 
 #define TINY "--photons 300 --k 8 --size 8x8 --seconds 0.01 "
-
-static json_t *rows_of(json_t *root)
-{
-    json_t *const rows = json_object_get(root, "rows");
-    ck_assert(json_is_array(rows));
-    return rows;
-}
-
-static const char *text_of(const json_t *row, const char *field)
-{
-    const char *const text = json_string_value(json_object_get(row, field));
-    return text ? text : "";
-}
 
 START_TEST(test_fields_are_the_contract)
 {
@@ -23,20 +11,20 @@ START_TEST(test_fields_are_the_contract)
                                              "skip",  "pass",          "pass-threads", "pass-rays"};
     static const char *const methods[] = {"", "", "visualize", "visualize", "full", "ppm", "ppm", "ppm"};
     static const double promises[] = {0.6, 1.8, 2.0 / 3.0, 0.0, 0.0, 1.0 / 1.3, 1.8, 1.0}; /* 0: none */
-    ck_assert_str_eq(text_of(root, "command"), "speed");
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 8);
+    ck_assert_str_eq(pm__text_of(root, "command"), "speed");
+    ck_assert_uint_eq(json_array_size(pm__rows_of(root)), 8);
     for (size_t i = 0; i < 8; i++) {
-        json_t *const row = json_array_get(rows_of(root), i);
+        json_t *const row = json_array_get(pm__rows_of(root), i);
         pm__check_keys(row, "scene quantity method photons threads seconds baseline baseline_seconds ratio ratio_ci95 "
                             "promise samples status detail agree aa_ratio aa_ratio_ci95 warning");
-        ck_assert_str_eq(text_of(row, "quantity"), quantities[i]);
-        ck_assert_str_eq(text_of(row, "scene"), "scene:cornell:albedo=0.75,ior=1.5,moved=0");
+        ck_assert_str_eq(pm__text_of(row, "quantity"), quantities[i]);
+        ck_assert_str_eq(pm__text_of(row, "scene"), "scene:cornell:albedo=0.75,ior=1.5,moved=0");
         ck_assert_double_gt(json_number_value(json_object_get(row, "ratio")), 0.0);
         if (promises[i] > 0.0)
             PM_CHECK_NEAR(json_number_value(json_object_get(row, "promise")), promises[i], 1e-12);
         json_t *const agree = json_object_get(row, "agree");
         ck_assert(promises[i] > 0.0 ? json_is_null(agree) : json_is_true(agree));
-        ck_assert_str_eq(text_of(row, "method"), methods[i]);
+        ck_assert_str_eq(pm__text_of(row, "method"), methods[i]);
     }
     json_decref(root);
 }
@@ -45,10 +33,10 @@ END_TEST
 START_TEST(test_scenes_and_quantities_are_chosen)
 {
     json_t *root = pm__expect_json("speed corner furnace " TINY "--quantity skip --json -");
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 4);
+    ck_assert_uint_eq(json_array_size(pm__rows_of(root)), 4);
     json_decref(root);
     root = pm__expect_json("speed " TINY "--quantity trace,visualize --json -");
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 5); /* four scenes and one */
+    ck_assert_uint_eq(json_array_size(pm__rows_of(root)), 5); /* four scenes and one */
     json_decref(root);
 }
 END_TEST
@@ -62,8 +50,8 @@ START_TEST(test_same_rows_whatever_the_threads)
     json_t *const two = pm__expect_json("speed corner " TINY "--quantity skip --threads 2 --json -");
     for (size_t i = 0; i < 2; i++)
         for (size_t f = 0; f < sizeof fields / sizeof *fields; f++)
-            ck_assert_msg(json_equal(json_object_get(json_array_get(rows_of(one), i), fields[f]),
-                                     json_object_get(json_array_get(rows_of(two), i), fields[f])),
+            ck_assert_msg(json_equal(json_object_get(json_array_get(pm__rows_of(one), i), fields[f]),
+                                     json_object_get(json_array_get(pm__rows_of(two), i), fields[f])),
                           "row %zu: %s", i, fields[f]);
     json_decref(one);
     json_decref(two);

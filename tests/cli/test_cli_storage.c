@@ -1,6 +1,7 @@
 /* `photonbench storage` as a user runs it: tiny sizes; how far the numbers are right is for the tests of what lies
  * below. */
 #include "../program.h"
+#include "../rows.h"
 
 #include <stdbool.h>
 #include <time.h>
@@ -15,62 +16,31 @@ static const char row_keys[] =
 static const char front_keys[] = "scene policy map measure rel_error stored_ratio stored_ratio_ci95 trace_ratio "
                                  "trace_ratio_ci95 time_ratio time_ratio_ci95 stored_front time_front status detail";
 
-static json_t *at(json_t *root, const char *list, size_t index)
-{
-    json_t *const found = json_array_get(json_object_get(root, list), index);
-    ck_assert_msg(found != NULL, "no %s[%zu]", list, index);
-    return found;
-}
-
-static size_t count_of(json_t *root, const char *list)
-{
-    ck_assert(json_is_array(json_object_get(root, list)));
-    return json_array_size(json_object_get(root, list));
-}
-
-static const char *text_of(const json_t *row, const char *field)
-{
-    const char *const text = json_string_value(json_object_get(row, field));
-    return text ? text : "";
-}
-
-static double number_of(const json_t *row, const char *field)
-{
-    const json_t *const value = json_object_get(row, field);
-    ck_assert_msg(json_is_number(value), "%s is no number", field);
-    return json_number_value(value);
-}
-
-static bool is_null(const json_t *row, const char *field)
-{
-    return json_is_null(json_object_get(row, field));
-}
-
 /* By map, policy, photons; each row as the contract has it. */
 START_TEST(rows_have_the_contract)
 {
     json_t *const root = pm__expect_json("storage torus " TINY "--policy all,percentage,probability --json -");
     pm__check_keys(root, "schema command version options seed machine wall_s rows fronts");
-    ck_assert_uint_eq(count_of(root, "rows"), 2 * 3 * 2);
+    ck_assert_uint_eq(pm__items(root, "rows"), 2 * 3 * 2);
     for (size_t i = 0; i < 12; i++) {
         static const char *const policies[] = {"all", "percentage:share=0.1", "probability:"};
-        json_t *const row = at(root, "rows", i);
+        json_t *const row = pm__item(root, "rows", i);
         const bool needs = i / 2 % 3 == 2;
         pm__check_keys(row, row_keys);
-        ck_assert_str_eq(text_of(row, "scene"), "scene:torus:ior=1.5,sun=5");
-        ck_assert_str_eq(text_of(row, "map"), i < 6 ? "caustic" : "global");
-        ck_assert_int_eq(strncmp(text_of(row, "policy"), policies[i / 2 % 3], strlen(policies[i / 2 % 3])), 0);
-        ck_assert_double_eq(number_of(row, "photons"), i % 2 ? 2000.0 : 500.0);
-        ck_assert_double_eq(number_of(row, "emitted"), i % 2 ? 2000.0 : 500.0);
-        ck_assert(is_null(row, "wanted") && is_null(row, "importons") == !needs);
-        ck_assert_double_gt(number_of(row, "stored"), 0.0);
-        ck_assert_double_gt(number_of(row, "flux_expected"), 0.0);
-        ck_assert_double_gt(number_of(row, "rel_rmse"), 0.0);
-        ck_assert_double_ge(number_of(row, "power_spread"), 1.0);
-        ck_assert_double_ge(number_of(row, "total_s"), number_of(row, "trace_s"));
-        ck_assert_double_eq(number_of(row, "trials"), 3.0);
-        ck_assert_double_eq(number_of(row, "spp"), 4.0);
-        ck_assert_str_eq(text_of(row, "status"), "ok");
+        ck_assert_str_eq(pm__text_of(row, "scene"), "scene:torus:ior=1.5,sun=5");
+        ck_assert_str_eq(pm__text_of(row, "map"), i < 6 ? "caustic" : "global");
+        ck_assert_int_eq(strncmp(pm__text_of(row, "policy"), policies[i / 2 % 3], strlen(policies[i / 2 % 3])), 0);
+        ck_assert_double_eq(pm__number_of(row, "photons"), i % 2 ? 2000.0 : 500.0);
+        ck_assert_double_eq(pm__number_of(row, "emitted"), i % 2 ? 2000.0 : 500.0);
+        ck_assert(pm__is_null(row, "wanted") && pm__is_null(row, "importons") == !needs);
+        ck_assert_double_gt(pm__number_of(row, "stored"), 0.0);
+        ck_assert_double_gt(pm__number_of(row, "flux_expected"), 0.0);
+        ck_assert_double_gt(pm__number_of(row, "rel_rmse"), 0.0);
+        ck_assert_double_ge(pm__number_of(row, "power_spread"), 1.0);
+        ck_assert_double_ge(pm__number_of(row, "total_s"), pm__number_of(row, "trace_s"));
+        ck_assert_double_eq(pm__number_of(row, "trials"), 3.0);
+        ck_assert_double_eq(pm__number_of(row, "spp"), 4.0);
+        ck_assert_str_eq(pm__text_of(row, "status"), "ok");
     }
     json_decref(root);
 }
@@ -80,27 +50,27 @@ END_TEST
 START_TEST(all_keeps_everything)
 {
     json_t *const root = pm__expect_json("storage torus " TINY "--policy all,percentage --json -");
-    const json_t *const large = at(root, "rows", 1);
-    PM_CHECK_NEAR(number_of(large, "flux_kept"), 1.0, 1e-6);
-    PM_CHECK_NEAR(number_of(large, "flux_ratio"), 1.0, 1e-6);
-    PM_CHECK_NEAR(number_of(large, "flux_important_ratio"), 1.0, 1e-6);
+    const json_t *const large = pm__item(root, "rows", 1);
+    PM_CHECK_NEAR(pm__number_of(large, "flux_kept"), 1.0, 1e-6);
+    PM_CHECK_NEAR(pm__number_of(large, "flux_ratio"), 1.0, 1e-6);
+    PM_CHECK_NEAR(pm__number_of(large, "flux_important_ratio"), 1.0, 1e-6);
     /* `percentage` keeps every caustic photon: the same map. */
-    PM_CHECK_NEAR(number_of(at(root, "rows", 3), "rel_rmse"), number_of(large, "rel_rmse"), 0.0);
-    ck_assert_uint_eq(count_of(root, "fronts"), 4);
+    PM_CHECK_NEAR(pm__number_of(pm__item(root, "rows", 3), "rel_rmse"), pm__number_of(large, "rel_rmse"), 0.0);
+    ck_assert_uint_eq(pm__items(root, "fronts"), 4);
     for (size_t i = 0; i < 4; i++) {
-        json_t *const front = at(root, "fronts", i);
-        const bool ok = strcmp(text_of(front, "status"), "ok") == 0;
+        json_t *const front = pm__item(root, "fronts", i);
+        const bool ok = strcmp(pm__text_of(front, "status"), "ok") == 0;
         pm__check_keys(front, front_keys);
-        ck_assert(is_null(front, "stored_ratio") == !ok && is_null(front, "rel_error") == !ok);
-        ck_assert(ok == !*text_of(front, "detail"));
+        ck_assert(pm__is_null(front, "stored_ratio") == !ok && pm__is_null(front, "rel_error") == !ok);
+        ck_assert(ok == !*pm__text_of(front, "detail"));
         ck_assert_uint_ge(json_array_size(json_object_get(front, "stored_front")), 1);
     }
     json_decref(root);
     /* Without `all` there is nothing to compare with; what is expected is there all the same. */
     json_t *const alone = pm__expect_json("storage torus " TINY "--policy percentage --map global --json -");
-    ck_assert_uint_eq(count_of(alone, "rows"), 2);
-    ck_assert_double_gt(number_of(at(alone, "rows", 0), "flux_expected"), 0.0);
-    ck_assert_str_eq(text_of(at(alone, "fronts", 0), "status"), "incomparable");
+    ck_assert_uint_eq(pm__items(alone, "rows"), 2);
+    ck_assert_double_gt(pm__number_of(pm__item(alone, "rows", 0), "flux_expected"), 0.0);
+    ck_assert_str_eq(pm__text_of(pm__item(alone, "fronts", 0), "status"), "incomparable");
     json_decref(alone);
 }
 END_TEST
@@ -109,13 +79,13 @@ START_TEST(so_many_are_stored)
 {
     json_t *const root = pm__expect_json("storage torus --spp 4 --trials 2 --stored 300 --policy all --map global "
                                          "--json -");
-    const json_t *const row = at(root, "rows", 0);
-    ck_assert_uint_eq(count_of(root, "rows"), 1);
-    ck_assert(is_null(row, "photons"));
-    ck_assert_double_eq(number_of(row, "wanted"), 300.0);
-    ck_assert_double_ge(number_of(row, "stored"), 280.0); /* up to the path by which so many would be */
-    ck_assert_double_le(number_of(row, "stored"), 300.0);
-    ck_assert(is_null(row, "detail"));
+    const json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_uint_eq(pm__items(root, "rows"), 1);
+    ck_assert(pm__is_null(row, "photons"));
+    ck_assert_double_eq(pm__number_of(row, "wanted"), 300.0);
+    ck_assert_double_ge(pm__number_of(row, "stored"), 280.0); /* up to the path by which so many would be */
+    ck_assert_double_le(pm__number_of(row, "stored"), 300.0);
+    ck_assert(pm__is_null(row, "detail"));
     json_decref(root);
 }
 END_TEST
@@ -123,9 +93,9 @@ END_TEST
 static char *comparable(json_t *root)
 {
     static const char *const times[] = {"trace_s", "total_s", "importance_s", "policy_s", "build_s"};
-    for (size_t i = 0; i < count_of(root, "rows"); i++)
+    for (size_t i = 0; i < pm__items(root, "rows"); i++)
         for (size_t t = 0; t < sizeof times / sizeof *times; t++)
-            (void)json_object_del(at(root, "rows", i), times[t]);
+            (void)json_object_del(pm__item(root, "rows", i), times[t]);
     char *const text = json_dumps(json_object_get(root, "rows"), JSON_COMPACT | JSON_REAL_PRECISION(17));
     ck_assert_ptr_nonnull(text);
     json_decref(root);
@@ -169,11 +139,11 @@ END_TEST
 START_TEST(unsupported_is_a_row)
 {
     json_t *const root = pm__expect_json("storage plate,torus " TINY "--policy all --map global --json -");
-    const json_t *const row = at(root, "rows", 0);
-    ck_assert_uint_eq(count_of(root, "rows"), 3);
-    ck_assert_str_eq(text_of(row, "status"), "unsupported");
-    ck_assert_ptr_nonnull(strstr(text_of(row, "detail"), "has no stored reference"));
-    ck_assert(is_null(row, "policy") && is_null(row, "rel_rmse") && is_null(row, "unmet"));
+    const json_t *const row = pm__item(root, "rows", 0);
+    ck_assert_uint_eq(pm__items(root, "rows"), 3);
+    ck_assert_str_eq(pm__text_of(row, "status"), "unsupported");
+    ck_assert_ptr_nonnull(strstr(pm__text_of(row, "detail"), "has no stored reference"));
+    ck_assert(pm__is_null(row, "policy") && pm__is_null(row, "rel_rmse") && pm__is_null(row, "unmet"));
     json_decref(root);
 }
 END_TEST
@@ -231,9 +201,9 @@ START_TEST(interrupted)
     ck_assert_int_gt(pm__test_read(json, text, sizeof text), 0);
     json_t *const root = json_loads(text, 0, NULL);
     ck_assert_ptr_nonnull(root);
-    for (size_t i = 0; i < count_of(root, "rows"); i++) { /* none where it came early */
-        ck_assert_str_eq(text_of(at(root, "rows", i), "status"), "interrupted");
-        ck_assert_double_ge(number_of(at(root, "rows", i), "trials"), 2.0);
+    for (size_t i = 0; i < pm__items(root, "rows"); i++) { /* none where it came early */
+        ck_assert_str_eq(pm__text_of(pm__item(root, "rows", i), "status"), "interrupted");
+        ck_assert_double_ge(pm__number_of(pm__item(root, "rows", i), "trials"), 2.0);
     }
     json_decref(root);
     pm__test_directory_remove(&place);
@@ -245,7 +215,7 @@ START_TEST(seconds_end_it)
 {
     json_t *const root = pm__expect_json("storage torus --spp 4 --photons 500 --paths 2000 --trials 100000 "
                                          "--policy all --map global --seconds 0.001 --json -");
-    ck_assert_double_eq(number_of(at(root, "rows", 0), "trials"), 2.0);
+    ck_assert_double_eq(pm__number_of(pm__item(root, "rows", 0), "trials"), 2.0);
     json_decref(root);
 }
 END_TEST

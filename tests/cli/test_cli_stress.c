@@ -1,20 +1,8 @@
 /* `photonbench stress` as a user runs it. */
 #include "../program.h"
+#include "../rows.h"
 
 #define SMALL "--test single,scaling --estimator disc,hull --search wide,grid "
-
-static json_t *rows_of(json_t *root)
-{
-    json_t *const rows = json_object_get(root, "rows");
-    ck_assert(json_is_array(rows));
-    return rows;
-}
-
-static const char *text_of(const json_t *row, const char *field)
-{
-    const char *const text = json_string_value(json_object_get(row, field));
-    return text ? text : "";
-}
 
 /* Messages name widths that the processor lacks: --quiet, so that the run has none. */
 START_TEST(test_fields_are_the_contract)
@@ -22,18 +10,18 @@ START_TEST(test_fields_are_the_contract)
     json_t *const root = pm__expect_json("stress " SMALL "--quiet --json -");
     json_t *const options = json_object_get(root, "options");
     const size_t widths = json_array_size(json_object_get(options, "simd"));
-    ck_assert_str_eq(text_of(root, "command"), "stress");
-    ck_assert_str_eq(text_of(options, "profile"), "quick");
+    ck_assert_str_eq(pm__text_of(root, "command"), "stress");
+    ck_assert_str_eq(pm__text_of(options, "profile"), "quick");
     ck_assert_uint_eq(widths + json_array_size(json_object_get(options, "simd_skipped")), 4);
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 2 * 3 * 2 * widths);
-    for (size_t i = 0; i < json_array_size(rows_of(root)); i++) {
-        json_t *const row = json_array_get(rows_of(root), i);
+    ck_assert_uint_eq(json_array_size(pm__rows_of(root)), 2 * 3 * 2 * widths);
+    for (size_t i = 0; i < json_array_size(pm__rows_of(root)); i++) {
+        json_t *const row = json_array_get(pm__rows_of(root), i);
         pm__check_keys(row, "test subject status measured bound unit detail");
-        ck_assert_str_eq(text_of(row, "status"), "pass");
+        ck_assert_str_eq(pm__text_of(row, "status"), "pass");
         ck_assert_double_le(json_number_value(json_object_get(row, "measured")),
                             json_number_value(json_object_get(row, "bound")));
     }
-    ck_assert_str_eq(text_of(json_array_get(rows_of(root), 2 * widths), "subject"), "disc:last=full wide plain");
+    ck_assert_str_eq(pm__text_of(pm__item(root, "rows", 2 * widths), "subject"), "disc:last=full wide plain");
     json_decref(root);
 }
 END_TEST
@@ -47,8 +35,8 @@ START_TEST(test_a_row_that_fails_is_exit_status_1)
     json_t *const root = json_loads(run->out, 0, &error);
     ck_assert_ptr_nonnull(root);
     size_t failed = 0;
-    for (size_t i = 0; i < json_array_size(rows_of(root)); i++)
-        failed += strcmp(text_of(json_array_get(rows_of(root), i), "status"), "fail") == 0;
+    for (size_t i = 0; i < json_array_size(pm__rows_of(root)); i++)
+        failed += strcmp(pm__text_of(json_array_get(pm__rows_of(root), i), "status"), "fail") == 0;
     ck_assert_uint_gt(failed, 4);
     json_decref(root);
     ck_assert_ptr_nonnull(strstr(pm__expect("stress " SMALL, 1, "not every")->out, " FAIL "));
@@ -74,7 +62,7 @@ START_TEST(test_same_rows_whatever_the_threads)
 {
     json_t *const one = pm__expect_json("stress " SMALL "--quiet --threads 1 --json -");
     json_t *const two = pm__expect_json("stress " SMALL "--quiet --threads 2 --json -");
-    ck_assert(json_equal(rows_of(one), rows_of(two)));
+    ck_assert(json_equal(pm__rows_of(one), pm__rows_of(two)));
     json_decref(one);
     json_decref(two);
 }
@@ -85,7 +73,7 @@ START_TEST(test_widths_that_are_not_run_are_said)
     (void)setenv("PHOTONBENCH_SIMD", "plain", 1);
     json_t *const root = pm__expect_json("stress " SMALL "--quiet --json -");
     ck_assert_uint_eq(json_array_size(json_object_get(json_object_get(root, "options"), "simd_skipped")), 3);
-    ck_assert_uint_eq(json_array_size(rows_of(root)), 2 * 3 * 2);
+    ck_assert_uint_eq(json_array_size(pm__rows_of(root)), 2 * 3 * 2);
     json_decref(root);
     (void)pm__expect("stress " SMALL "-o /dev/null", 0, "SKIP: SIMD width avx512");
     (void)setenv("PHOTONBENCH_SIMD", "mmx", 1);
