@@ -137,14 +137,6 @@ static pm_status measure(const pm__settings *s, pm__accuracy_config *config, pm_
     return written ? written : status;
 }
 
-static void report(const pm__settings *s, pm_status status, const pm_error *error)
-{
-    if (status == PM_ECANCELED && !s->quiet)
-        pm__complain("accuracy", "interrupted: only the cases that were complete are there");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("accuracy", "%s", *error->text ? error->text : pm_status_text(status));
-}
-
 static int run(pm__settings *settings)
 {
     pm_error error = {""};
@@ -162,8 +154,7 @@ static int run(pm__settings *settings)
         configure(settings, &parallel, &config);
         status = measure(settings, &config, &sinks, &error);
     }
-    report(settings, status, &error);
-    return pm__exit_status(status);
+    return pm__conclude("accuracy", status, settings->quiet, "only the cases that were complete are there", &error);
 }
 
 static const pm__option *const options_taken[] = {

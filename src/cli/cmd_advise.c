@@ -199,15 +199,14 @@ static pm_status measure(const pm__settings *s, const pm__advise_config *config,
 
 static int finish(const pm__settings *s, pm_status status, const outcome *found, const pm_error *error)
 {
-    if (status == PM_ECANCELED && !s->quiet)
-        pm__complain("advise", "interrupted: %s", found->any ? "the advice is not verified" : "there is no advice yet");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("advise", "%s", *error->text ? error->text : pm_status_text(status));
-    else if (status == PM_OK && !found->held && isfinite(found->ratio))
+    if (status != PM_OK || found->held)
+        return pm__conclude("advise", status, s->quiet,
+                            found->any ? "the advice is not verified" : "there is no advice yet", error);
+    if (isfinite(found->ratio))
         pm__complain("advise", "the error reached is %.3g times the one asked for, not within 25 %%", found->ratio);
-    else if (status == PM_OK && !found->held)
+    else
         pm__complain("advise", "that error is out of reach: see what comes nearest");
-    return status == PM_OK && !found->held ? PM__EXIT_CHECK_FAILED : pm__exit_status(status);
+    return PM__EXIT_CHECK_FAILED;
 }
 
 static int run(pm__settings *s)

@@ -348,15 +348,6 @@ static pm_status do_job(work *w, pm_error *error)
     return written ? written : status;
 }
 
-static void report(const work *w, pm_status status, const pm_error *error)
-{
-    if (status == PM_ECANCELED && !w->task.settings->quiet) {
-        pm__complain("converge", "interrupted: rows are of the trials that were complete, where there are two");
-        pm__keep_part(&w->keep);
-    } else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("converge", "%s", *error->text ? error->text : pm_status_text(status));
-}
-
 static int run(pm__settings *settings)
 {
     pm_error error = {""};
@@ -373,8 +364,12 @@ static int run(pm__settings *settings)
         configure(&w);
         status = do_job(&w, &error);
     }
-    report(&w, status, &error);
-    const int end = w.keep.unreadable ? pm__exit_status_of_input(status) : pm__exit_status(status);
+    int end = pm__conclude("converge", status, settings->quiet,
+                           "rows are of the trials that were complete, where there are two", &error);
+    if (status == PM_ECANCELED && !settings->quiet)
+        pm__keep_part(&w.keep);
+    if (w.keep.unreadable)
+        end = pm__exit_status_of_input(status);
     free_work(&w);
     return end;
 }

@@ -337,14 +337,6 @@ static pm_status do_job(work *w, pm_error *error)
     return status;
 }
 
-static void report(const pm__settings *s, pm_status status, const pm_error *error)
-{
-    if (status == PM_ECANCELED && !s->quiet)
-        pm__complain("render", "interrupted: images hold the samples that were complete, and say so");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("render", "%s", *error->text ? error->text : pm_status_text(status));
-}
-
 static int run(pm__settings *settings)
 {
     pm_error error = {""};
@@ -357,9 +349,9 @@ static int run(pm__settings *settings)
         configure(&w, settings);
         status = do_job(&w, &error);
     }
-    report(settings, status, &error);
     free_work(&w);
-    return pm__exit_status(status);
+    return pm__conclude("render", status, settings->quiet, "images hold the samples that were complete, and say so",
+                        &error);
 }
 
 static const pm__option *const options_taken[] = {

@@ -168,20 +168,13 @@ static pm_status measure(plan *p, const pm__settings *s, pm__sinks *sinks, bool 
     return status;
 }
 
-static void report(const pm__settings *s, pm_status status, bool held, const pm_error *error)
-{
-    if (status == PM_ECANCELED && !s->quiet)
-        pm__complain("search", "interrupted: only the runs that were complete are there");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("search", "%s", *error->text ? error->text : pm_status_text(status));
-    else if (!held)
-        pm__complain("search", "not every row is exact: see status and detail");
-}
-
 static int finish(const pm__settings *s, pm_status status, bool held, const pm_error *error)
 {
-    report(s, status, held, error);
-    return status == PM_OK && !held ? PM__EXIT_CHECK_FAILED : pm__exit_status(status);
+    if (status == PM_OK && !held) {
+        pm__complain("search", "not every row is exact: see status and detail");
+        return PM__EXIT_CHECK_FAILED;
+    }
+    return pm__conclude("search", status, s->quiet, "only the runs that were complete are there", error);
 }
 
 static int run(pm__settings *s)
@@ -201,7 +194,7 @@ static int run(pm__settings *s)
     if (status == PM_OK) {
         const pm_status read = read_input(&p, s, &error);
         if (read != PM_OK) {
-            report(s, read, true, &error);
+            (void)finish(s, read, true, &error);
             free(p.contenders);
             return pm__exit_status_of_input(read);
         }

@@ -157,13 +157,11 @@ static pm_status measure(const pm__settings *s, const pm__speed_config *config, 
 
 static int finish(const pm__settings *s, pm_status status, bool held, const pm_error *error)
 {
-    if (status == PM_ECANCELED && !s->quiet)
-        pm__complain("speed", "interrupted: only the rows that were complete are there");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("speed", "%s", *error->text ? error->text : pm_status_text(status));
-    else if (!held)
+    if (status == PM_OK && !held) {
         pm__complain("speed", "images differ, or a row could not be measured: see status and detail");
-    return status == PM_OK && !held ? PM__EXIT_CHECK_FAILED : pm__exit_status(status);
+        return PM__EXIT_CHECK_FAILED;
+    }
+    return pm__conclude("speed", status, s->quiet, "only the rows that were complete are there", error);
 }
 
 static int run(pm__settings *s)

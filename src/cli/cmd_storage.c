@@ -277,12 +277,9 @@ static int run(pm__settings *settings)
         configure(&w);
         status = do_job(&w, &error);
     }
-    if (status == PM_ECANCELED && !settings->quiet)
-        pm__complain("storage", "interrupted: rows are of the trials that were complete, where there are two");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("storage", "%s", *error.text ? error.text : pm_status_text(status));
     free_work(&w);
-    return pm__exit_status(status);
+    return pm__conclude("storage", status, settings->quiet,
+                        "rows are of the trials that were complete, where there are two", &error);
 }
 
 static const pm__option *const options_taken[] = {

@@ -191,13 +191,11 @@ static pm_status measure(plan *p, const pm__settings *s, pm__sinks *sinks, bool 
 
 static int finish(const pm__settings *s, pm_status status, bool held, const pm_error *error)
 {
-    if (status == PM_ECANCELED && !s->quiet)
-        pm__complain("stress", "interrupted: only the tests that were complete are there");
-    else if (status != PM_OK && status != PM_ECANCELED)
-        pm__complain("stress", "%s", *error->text ? error->text : pm_status_text(status));
-    else if (!held)
+    if (status == PM_OK && !held) {
         pm__complain("stress", "not every row passes: see status and detail");
-    return status == PM_OK && !held ? PM__EXIT_CHECK_FAILED : pm__exit_status(status);
+        return PM__EXIT_CHECK_FAILED;
+    }
+    return pm__conclude("stress", status, s->quiet, "only the tests that were complete are there", error);
 }
 
 static int run(pm__settings *s)

@@ -61,6 +61,15 @@ int pm__exit_status(pm_status status)
     return PM__EXIT_OTHER;
 }
 
+int pm__conclude(const char *command, pm_status status, bool quiet, const char *interrupted, const pm_error *error)
+{
+    if (status == PM_ECANCELED && !quiet)
+        pm__complain(command, "interrupted: %s", interrupted);
+    else if (status != PM_OK && status != PM_ECANCELED)
+        pm__complain(command, "%s", *error->text ? error->text : pm_status_text(status));
+    return pm__exit_status(status);
+}
+
 int pm__exit_status_of_input(pm_status status)
 {
     return status == PM_ENOMEM || status == PM_OK ? pm__exit_status(status) : PM__EXIT_INPUT;

@@ -61,7 +61,11 @@ void pm__complain(const char *command, const char *format, ...);
 /* The exit status for a status. */
 int pm__exit_status(pm_status status);
 
-/* The same, for one that reading input gave. */
+/* The same, at a command's end, which is said on standard error if it is an error or, not `quiet`, an interruption.
+ * interrupted: what is there then. */
+int pm__conclude(const char *command, pm_status status, bool quiet, const char *interrupted, const pm_error *error);
+
+/* The exit status for one that reading input gave. */
 int pm__exit_status_of_input(pm_status status);
 
 /* Says that standard output could not be written, if so: PM__EXIT_OTHER, else `status`. */
