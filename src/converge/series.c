@@ -341,7 +341,8 @@ static pm_status set_up(pm__measuring *m, pm_error *error)
         m->estimated = pm__alloc(config->trials * m->room, sizeof *m->estimated);
         m->right = pm__alloc(config->trials * m->room, sizeof *m->right);
     }
-    m->errors = pm__alloc(config->trials * m->room, 3 * m->yardstick.values * sizeof *m->errors);
+    /* all of it at once: memory that passes come to write to bit by bit looks as if it grew with them */
+    m->errors = pm__alloc_zero(config->trials * m->room, 3 * m->yardstick.values * sizeof *m->errors);
     m->radiance = pm__alloc(m->progression.points, sizeof *m->radiance);
     series->watched = pm__alloc_zero(m->room * config->watched_count + 1, sizeof *series->watched);
     return m->errors && m->radiance && series->watched && (config->error > 0.0 ? m->estimated && m->right : true)

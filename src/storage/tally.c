@@ -15,7 +15,7 @@ void pm__tally_free(pm__tally *tally)
 }
 
 /* Means over values of products of each pair of groups; and their mean. */
-static double multiply(const float *errors, size_t values, double pairs[PM__PAIRS])
+static double multiply(const float *errors, size_t values, double pairs[PM__GROUP_PAIRS])
 {
     double all = 0.0;
     size_t pair = 0;
@@ -25,14 +25,14 @@ static double multiply(const float *errors, size_t values, double pairs[PM__PAIR
             for (size_t i = 0; i < values; i++)
                 sum += (double)errors[g * values + i] * (double)errors[h * values + i];
             pairs[pair] = sum / (double)values;
-            all += pairs[pair] / PM__PAIRS;
+            all += pairs[pair] / PM__GROUP_PAIRS;
         }
     return all;
 }
 
 pm_status pm__tally_create(size_t values, size_t room, double own_square, const float *base, pm__tally *tally)
 {
-    double pairs[PM__PAIRS];
+    double pairs[PM__GROUP_PAIRS];
     *tally = (pm__tally){.values = values,
                          .room = room,
                          .own_square = own_square,
@@ -49,10 +49,10 @@ pm_status pm__tally_create(size_t values, size_t room, double own_square, const 
 
 void pm__tally_add(pm__tally *tally, const float *errors)
 {
-    double pairs[PM__PAIRS];
+    double pairs[PM__GROUP_PAIRS];
     tally->square[tally->trials] = multiply(errors, tally->values, pairs) - tally->own_square;
     tally->added[tally->trials] = tally->square[tally->trials] - tally->base_square;
-    for (size_t p = 0; p < PM__PAIRS; p++)
+    for (size_t p = 0; p < PM__GROUP_PAIRS; p++)
         tally->pairs[p] += pairs[p] - tally->own_square;
     tally->mean[tally->trials] = 0.0;
     for (size_t g = 0; g < PM__GROUPS; g++) {
@@ -109,7 +109,7 @@ static double half_over_groups(const pm__tally *tally)
         for (size_t g = 0; g < PM__GROUPS; g++)
             for (size_t h = 0; h < g; h++, pair++)
                 sum += g == left || h == left ? 0.0 : tally->pairs[pair];
-        without[left] = sum / ((double)tally->trials * (PM__PAIRS - PM__GROUPS + 1));
+        without[left] = sum / ((double)tally->trials * (PM__GROUP_PAIRS - PM__GROUPS + 1));
     }
     return pm__jackknife_half(without, PM__GROUPS);
 }
@@ -121,7 +121,7 @@ static double root(double square)
 
 static void fill_spread(const pm__tally *tally, double square, pm__view_error *error)
 {
-    double pairs[PM__PAIRS];
+    double pairs[PM__GROUP_PAIRS];
     const double n = (double)tally->trials;
     const double all = multiply(tally->sum, tally->values, pairs) - n * n * tally->own_square;
     const double cross = (all - n * square) / (n * (n - 1.0));

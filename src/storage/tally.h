@@ -21,7 +21,7 @@
 #include "../stats/stats.h"
 #include "viewing.h"
 
-enum { PM__PAIRS = PM__GROUPS * (PM__GROUPS - 1) / 2 };
+enum { PM__GROUP_PAIRS = PM__GROUPS * (PM__GROUPS - 1) / 2 };
 
 typedef struct pm__tally {
     size_t values, room, trials;    /* of a group; trials that it has room for; done */
@@ -29,7 +29,7 @@ typedef struct pm__tally {
     double base_square;             /* of the image with large maps */
     double *square, *added;         /* [trial]: <e_t, e_t> - v; and less base_square */
     double *mean;                   /* [trial]: of e */
-    double pairs[PM__PAIRS];        /* sums over trials of the products of two groups, less v */
+    double pairs[PM__GROUP_PAIRS];        /* sums over trials of the products of two groups, less v */
     double group_mean[PM__GROUPS];  /* sums over trials */
     float *sum;                     /* [group * values + value], over trials */
 } pm__tally;
