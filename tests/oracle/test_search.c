@@ -127,9 +127,11 @@ static void check_brute(const pm_map *map, const pm_photon *photons, size_t coun
         ck_assert_uint_eq(got, want);
     ck_assert_int_le(abs((int)got - (int)want), 1); /* one may lie on the rim of radius or disc */
     const double unit = pm_map_unit(map);
-    for (size_t i = 0; i < got && i < want; i++)
-        ck_assert_msg(nearly((double)found[i].distance2 * unit * unit, hits[i].distance2), "%g, not %g",
-                      (double)found[i].distance2 * unit * unit, hits[i].distance2);
+    size_t same = 0; /* one assertion for all, since each is a message to another process */
+    while (same < got && same < want && nearly((double)found[same].distance2 * unit * unit, hits[same].distance2))
+        same++;
+    if (same < got && same < want)
+        ck_abort_msg("%g, not %g", (double)found[same].distance2 * unit * unit, hits[same].distance2);
 }
 
 /* The maps of one cloud: one created for each search, and one of the default order prepared for those it can be. */
@@ -172,10 +174,11 @@ static void check_one(const pm_map *map, const fleet *f, const pm_query *q, cons
     const pm_status status = pm_map_search(map, q, found, pm_map_count(map), &got);
     ck_assert_msg(status == PM_OK && got == want, "%s: %zu, not %zu photons; of %zu, k %zu, shape %d, radius %g", name,
                   got, want, pm_map_count(map), q->k, (int)q->shape, (double)q->max_radius);
-    for (size_t i = 0; i < got; i++)
-        ck_assert_msg(!memcmp(&found[i].distance2, &expected[i].distance2, sizeof found[i].distance2) &&
-                          pm_map_source(map, found[i].number) == pm_map_source(f->prepared, expected[i].number),
-                      "%s differs at %zu of k %zu", name, i, q->k);
+    size_t same = 0; /* one assertion for all, since each is a message to another process */
+    while (same < got && !memcmp(&found[same].distance2, &expected[same].distance2, sizeof found->distance2) &&
+           pm_map_source(map, found[same].number) == pm_map_source(f->prepared, expected[same].number))
+        same++;
+    ck_assert_msg(same == got, "%s differs at %zu of k %zu", name, same, q->k);
     free(found);
 }
 

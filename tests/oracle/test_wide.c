@@ -247,10 +247,10 @@ START_TEST(batches_find_what_single_queries_do)
     static const size_t mixed[] = {8, 8, 0, 50, 1500, 1, 0, 500, 3, 1000, 0, 8};
     const cloud *const c = &clouds[_i];
     pm_photon *const photons = pm__alloc(COUNT, sizeof *photons);
-    pm_neighbor *const found = pm__alloc(BATCH * STRIDE, sizeof *found);
+    pm_neighbor *const found = pm__alloc((size_t)WIDTHS * BATCH * STRIDE, sizeof *found);
     pm_neighbor *const expected = pm__alloc(COUNT, sizeof *expected);
     pm_query queries[BATCH];
-    size_t counts[BATCH];
+    size_t counts[WIDTHS][BATCH];
     fleet f;
     make_photons(c, COUNT, photons);
     make_fleet(&f, photons, COUNT);
@@ -267,14 +267,17 @@ START_TEST(batches_find_what_single_queries_do)
                 queries[i].k = 2; /* so many in one place */
         }
     }
-    for (unsigned width = PM_SIMD_PLAIN; width < WIDTHS; width++) {
-        if (!f.map[width])
-            continue;
-        ck_assert_int_eq(pm_map_search_batch(f.map[width], queries, BATCH, found, STRIDE, counts), PM_OK);
-        for (size_t i = 0; i < BATCH; i++) {
-            const size_t want = brute(&f, &queries[i], expected);
-            compare(&f, width, &queries[i], c->name, found + i * STRIDE, counts[i], expected, want);
-        }
+    for (unsigned width = PM_SIMD_PLAIN; width < WIDTHS; width++)
+        if (f.map[width])
+            ck_assert_int_eq(pm_map_search_batch(f.map[width], queries, BATCH, found + width * BATCH * STRIDE, STRIDE,
+                                                 counts[width]),
+                             PM_OK);
+    for (size_t i = 0; i < BATCH; i++) {
+        const size_t want = brute(&f, &queries[i], expected);
+        for (unsigned width = PM_SIMD_PLAIN; width < WIDTHS; width++)
+            if (f.map[width])
+                compare(&f, width, &queries[i], c->name, found + (width * BATCH + i) * STRIDE, counts[width][i],
+                        expected, want);
     }
     free_fleet(&f);
     free(photons);
