@@ -233,7 +233,7 @@ PM_API pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm
 
 /* Automatic maximum radius, m: beyond it n photons cannot reach the radiance `threshold`
  * (W/(m2 sr) per band). max_power: of any photon, W. Surfaces: [C02] 5.2.3; volumes: 5.2.4, sigma: the
- * scattering coefficient, 1/m. 0 where an argument is not positive. */
+ * scattering coefficient, 1/m. 0 where an argument is not positive and finite; relative error below 2^-50. */
 PM_API double pm_max_radius_surface(size_t n, double max_power, double threshold);
 PM_API double pm_max_radius_volume(size_t n, double max_power, double sigma, double threshold);
 

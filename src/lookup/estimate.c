@@ -8,9 +8,10 @@
 
 pm_status pm_estimator_create(const char *spec, pm_estimator **estimator, pm_error *error)
 {
+    if (estimator)
+        *estimator = NULL;
     if (!spec || !estimator)
         return pm__fail(error, PM_EINVAL, "an estimator needs a name and somewhere to put it");
-    *estimator = NULL;
     pm_estimator *const created = calloc(1, sizeof *created);
     if (!created)
         return pm__fail(error, PM_ENOMEM, "out of memory for an estimator");
@@ -138,9 +139,10 @@ static double common_unit(const pm_source *source)
 pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, const pm_query *query,
                       pm_workspace *workspace, pm_estimation *estimation)
 {
+    if (estimation)
+        *estimation = (pm_estimation){{0.0, 0.0, 0.0}, 0.0, 0};
     if (!estimator || !source || !query || !workspace || !estimation)
         return PM_EINVAL;
-    *estimation = (pm_estimation){{0.0, 0.0, 0.0}, 0.0, 0};
     const unsigned needs = pm__estimator_of(&estimator->spec)->needs;
     if (needs & PM__AT_PHOTON)
         return source->precomputed && !source->brdf

@@ -113,9 +113,10 @@ size_t pm__run_search(const pm_map *map, const pm_search *search, const pm__quer
 pm_status pm_map_search(const pm_map *map, const pm_query *query, pm_neighbor *neighbors, size_t capacity,
                         size_t *count)
 {
+    if (count)
+        *count = 0;
     if (!map || !query || !count || (capacity && !neighbors))
         return PM_EINVAL;
-    *count = 0;
     pm__query prepared;
     const pm_search *const search = pm__search_of(map, query);
     const pm_status status = pm__query_prepare(map, query, &prepared, NULL);
@@ -172,10 +173,10 @@ static size_t search_some(const pm_map *map, const pm_query *queries, size_t cou
 pm_status pm_map_search_batch(const pm_map *map, const pm_query *queries, size_t query_count, pm_neighbor *neighbors,
                               size_t stride, size_t *counts)
 {
+    for (size_t i = 0; i < query_count && counts; i++)
+        counts[i] = 0;
     if (!map || (query_count && (!queries || !counts || (stride && !neighbors))))
         return PM_EINVAL;
-    for (size_t i = 0; i < query_count; i++)
-        counts[i] = 0;
     pm_status status = PM_OK;
     for (size_t done = 0; done < query_count && status == PM_OK;)
         done += search_some(map, queries + done, query_count - done, neighbors + done * stride, stride, counts + done,
@@ -232,18 +233,25 @@ pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm_delive
     return PM_OK;
 }
 
+/* Roots are taken one by one below, so that no product of numbers like these over- or underflows. */
+static bool is_positive(double x)
+{
+    return x > 0.0 && isfinite(x);
+}
+
 double pm_max_radius_surface(size_t n, double max_power, double threshold)
 {
     const double pi = 3.14159265358979323846;
-    if (!(max_power > 0.0 && threshold > 0.0))
+    if (!(is_positive(max_power) && is_positive(threshold)))
         return 0.0;
-    return sqrt((double)n * max_power / threshold) / pi; /* [C02] 5.2.3 */
+    return sqrt((double)n) * sqrt(max_power) / sqrt(threshold) / pi; /* [C02] 5.2.3 */
 }
 
 double pm_max_radius_volume(size_t n, double max_power, double sigma, double threshold)
 {
     const double pi = 3.14159265358979323846;
-    if (!(max_power > 0.0 && threshold > 0.0 && sigma > 0.0))
+    if (!(is_positive(max_power) && is_positive(threshold) && is_positive(sigma)))
         return 0.0;
-    return cbrt(3.0 * (double)n * max_power / (16.0 * pi * pi * sigma * threshold)); /* [C02] 5.2.4, errata 44 */
+    return cbrt(3.0 * (double)n / (16.0 * pi * pi)) * cbrt(max_power) / cbrt(sigma) /
+           cbrt(threshold); /* [C02] 5.2.4, errata 44 */
 }
