@@ -23,6 +23,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 /* Of allocations while `on`: how many there were, which is refused (from 1; 0: none), and all after it if `from_then_on`.
  * live: those not yet freed, by address. */
@@ -252,16 +253,16 @@ static inline void pm__digest(uint64_t *digest, const void *bytes, size_t size)
         *digest = (*digest ^ from[i]) * 1099511628211u;
 }
 
-/* Each of the first PM__EACH allocations, then one of a PM__PARTth of those before it; with PM_FULL=1 in the environment
+/* Each of the first pm__all_below allocations, then steps of a pm__each_part-th of n; with PM_FULL=1 in the environment
  * all. Returns how many there were. */
-enum { PM__EACH = 250, PM__PART = 80 };
+static uint64_t pm__all_below = 250, pm__each_part = 80;
 static inline uint64_t pm__refuse_each(const char *name, pm__try attempt, void *context, bool from_then_on)
 {
     uint64_t want = 0;
     pm_error error = {""};
     ck_assert_msg(attempt(context, &want, &error) == PM_OK, "%s: %s", name, error.text);
     const bool all = getenv("PM_FULL") != NULL;
-    for (uint64_t n = 1;; n += all || n < PM__EACH ? 1 : 1 + n / PM__PART) {
+    for (uint64_t n = 1;; n += all || n < pm__all_below ? 1 : 1 + n / pm__each_part) {
         uint64_t got = 0;
         *error.text = '\0';
         pm__refuse_from(n, from_then_on);
@@ -281,11 +282,13 @@ static inline uint64_t pm__refuse_each(const char *name, pm__try attempt, void *
 /* One allocation alone, and that and all after it. */
 static inline void pm__each_refusal(const char *name, pm__try attempt, void *context)
 {
+    const clock_t start = clock();
     const uint64_t count = pm__refuse_each(name, attempt, context, false);
     ck_assert_msg(count > 0, "%s: nothing was allocated", name);
     (void)pm__refuse_each(name, attempt, context, true);
     if (getenv("PM_COUNTS"))
-        (void)fprintf(stderr, "%s: %ju allocations\n", name, (uintmax_t)count);
+        (void)fprintf(stderr, "%s: %ju allocations, %.2f s\n", name, (uintmax_t)count,
+                      (double)(clock() - start) / CLOCKS_PER_SEC);
 }
 
 #endif

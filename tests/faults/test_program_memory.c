@@ -30,7 +30,7 @@ static void digest_rows(const char *line, uint64_t *digest)
     PM_MUST(rows != NULL);
     if (getenv("PM_ROWS")) {
         FILE *f = fopen(getenv("PM_ROWS"), "a"); fprintf(f, "%s\n", rows); fclose(f); }
-    if (strncmp(line, "search", 6) != 0) /* all that is measured there is time */
+    if (strncmp(line, "search", 6) != 0 && strncmp(line, "advise", 6) != 0) /* what they measure is time */
         pm__digest(digest, rows, strlen(rows));
     free(rows);
 }
@@ -97,7 +97,9 @@ END_TEST
 
 START_TEST(search)
 {
-    check_command("search --case square --photons 100 --k 5 --search wide,brute --samples 5 --json @rows.json" QUICK);
+    pm__each_part = 8;
+    pm__all_below = 60; /* clocks are waited for */
+    check_command("search --case square --photons 100 --k 5 --search wide --samples 1 --json @rows.json" QUICK);
 }
 END_TEST
 
@@ -114,8 +116,62 @@ START_TEST(converge)
 }
 END_TEST
 
+#define SERIES "converge plate --passes 2 --trials 2 --photons-per-pass 50 --size 4x4 --k 5"
+
+/* With files of the user's: they stay as they are. */
+static void check_with_files(const char *line)
+{
+    static const char photons[] = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                                  "property float z\nproperty float dx\nproperty float dy\nproperty float dz\n"
+                                  "property float r\nproperty float g\nproperty float b\nend_header\n"
+                                  "0 0 0 0 0 -1 1 1 1\n1 0 0 0 0 -1 1 1 1\n0 1 0 0 0 -1 1 1 1\n1 1 0 0 0 -1 1 1 1\n";
+    static const char queries[] = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                                  "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                                  "end_header\n0.5 0.5 0 0 0 1\n0.6 0.5 0 0 0 1\n";
+    char path[PM__TEST_PATH];
+    pm__place = pm__test_directory_create();
+    pm__test_write(pm__test_path(&pm__place, "p.ply", path), photons, sizeof photons - 1);
+    pm__test_write(pm__test_path(&pm__place, "q.ply", path), queries, sizeof queries - 1);
+    (void)pm__run_command("accuracy --case square --estimator disc --k 5 --photons 50 --trials 2 --probes 4 "
+                          "--json @a.json --quiet");
+    (void)pm__run_command(SERIES " --checkpoint @kept --quiet");
+    remove_outputs();
+    pm__each_refusal(line, run, &(commanding){line, 4});
+    pm__test_directory_remove(&pm__place);
+}
+
+START_TEST(estimates)
+{
+    check_with_files("estimate --photons @p.ply --queries @q.ply --k 3 --estimator hull --json @rows.json "
+                     "--csv @rows.csv --markdown @rows.md" QUICK);
+}
+END_TEST
+
+START_TEST(comparisons)
+{
+    check_with_files("compare @a.json @a.json --json @rows.json");
+}
+END_TEST
+
+/* What was done is still there to go on from, whatever failed before. */
+START_TEST(resumed)
+{
+    check_with_files(SERIES " --resume @kept --json @rows.json" QUICK);
+}
+END_TEST
+
+START_TEST(advice)
+{
+    pm__all_below = 20; /* clocks are waited for */
+    pm__each_part = 4;
+    check_command("advise square --error 0.3 --seconds 0.01 --probes 16 --photons 500 --estimator disc --json @rows.json"
+                  QUICK);
+}
+END_TEST
+
 START_TEST(stress)
 {
+    pm__each_part = 20;
     check_command("stress --test single --estimator disc --search wide --json @rows.json" QUICK);
 }
 END_TEST
@@ -126,4 +182,5 @@ START_TEST(list)
 }
 END_TEST
 
-PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, stress, list)
+PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, estimates, comparisons, resumed, advice,
+             stress, list)
