@@ -204,9 +204,9 @@ $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,LD,$@)
 	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng -ljansson -lm -o $@
 
-# Tests of faults stand between the program and what it asks of the system (tests/faults/allocation.h, writing.h).
+# Tests of faults stand between the program and what it asks of the system (tests/faults/allocation.h).
 WRAPPED = malloc calloc realloc aligned_alloc free strdup strndup asprintf fopen fdopen open_memstream rtcNewDevice
-$(BUILD)/tests/faults/%: PM_WRAP = $(WRAPPED:%=-Wl,--wrap=%)
+$(BUILD)/tests/faults/%_memory: PM_WRAP = $(WRAPPED:%=-Wl,--wrap=%)
 
 # Tests see the program's parts as well as the library's, so they link the static archives.
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps

@@ -17,15 +17,20 @@ enum { PM__WORDS = 60, PM__SAID = 4000 };
 static pm__test_directory pm__place;
 static char pm__said[PM__SAID]; /* by the last command, to standard error */
 
-/* Standard output and error into files of the directory, and back. */
-static inline int pm__divert(int fd, const char *name)
+/* Standard output and error into files, and back. */
+static inline int pm__divert_to(int fd, const char *path)
 {
-    char path[PM__TEST_PATH];
-    const int kept = dup(fd), file = open(pm__test_path(&pm__place, name, path), O_CREAT | O_TRUNC | O_RDWR, 0600);
+    const int kept = dup(fd), file = open(path, O_CREAT | O_TRUNC | O_RDWR, 0600);
     if (kept < 0 || file < 0 || dup2(file, fd) < 0)
         abort();
     (void)close(file);
     return kept;
+}
+
+static inline int pm__divert(int fd, const char *name)
+{
+    char path[PM__TEST_PATH];
+    return pm__divert_to(fd, pm__test_path(&pm__place, name, path));
 }
 
 static inline void pm__restore(int fd, int kept)
