@@ -1,4 +1,5 @@
-/* Threads of the program: the library's parallel-for on OpenMP. */
+/* Threads of the program: the library's parallel-for on OpenMP, or on threads alone where that is left out
+ * (`make OPENMP=`). */
 #ifndef PM_CLI_PARALLEL_H
 #define PM_CLI_PARALLEL_H
 
