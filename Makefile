@@ -101,7 +101,8 @@ check-san: deps ## every test under the address and undefined-behaviour sanitize
 	$(Q)CK_TIMEOUT_MULTIPLIER=10 $(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/san run-tests \
 	    CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
 check-tsan: deps ## what runs on several threads, under the thread sanitizer
-	$(Q)$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/tsan OPENMP= CFLAGS="-O1 -g -fsanitize=thread" tests program
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/tsan OPENMP= \
+	    CFLAGS="-O1 -g -fsanitize=thread" tests program
 	$(Q)tests/threads.sh $(BUILD)/tsan
 coverage: deps ## lines and branches of src/ and estimators/ that the tests of KINDS reach (all but stat), with gcov
 	$(Q)$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/coverage CFLAGS="-O0 -g --coverage" tests lib program

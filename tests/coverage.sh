@@ -4,7 +4,7 @@
 set -eu
 build=$1
 shift
-[ $# -gt 0 ] || set -- errata oracle unit cli fuzz
+[ $# -gt 0 ] || set -- errata oracle unit faults cli fuzz
 find "$build" -name '*.gcda' -delete
 CK_TIMEOUT_MULTIPLIER=5 tests/run.sh "$build" "$@" | tail -n 1
 for kind in src estimators; do

@@ -1,6 +1,6 @@
 #!/bin/sh
-# valgrind.sh BUILD [TEST...]   the unit tests (or those named) under valgrind's memory checker, as many at a time as there
-# are processors; some hours of a processor. Fails if one reads what is not there or was never written, or leaks.
+# valgrind.sh BUILD [TEST...]   the unit tests (or those named) under valgrind's memory checker, as many at a time as
+# there are processors; some hours of a processor. Fails if one reads what is not there or was never written, or leaks.
 set -eu
 if [ "$1" = --one ]; then # --one PROGRAM: what the processors do
     log=$(mktemp)

@@ -230,7 +230,8 @@ pm_status pm__result_file_load(const char *path, pm__result_file *file, pm_error
     pm__quote_path(path, file->name);
     FILE *const stream = fopen(path, "rb");
     if (!stream)
-        return pm__fail(error, errno == ENOMEM ? PM_ENOMEM : PM_EIO, "%s: cannot be opened: %s", file->name, strerror(errno));
+        return pm__fail(error, errno == ENOMEM ? PM_ENOMEM : PM_EIO, "%s: cannot be opened: %s", file->name,
+                        strerror(errno));
     pm_status status = parse(stream, file, error);
     (void)fclose(stream);
     if (status == PM_OK)

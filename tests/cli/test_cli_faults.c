@@ -315,8 +315,8 @@ START_TEST(full_disk_and_resumed)
     ck_assert_int_eq(run_within(line, RLIMIT_FSIZE, RLIM_INFINITY), 0);
     json_t *const want = rows_of(rows);
     for (rlim_t bytes = 400; status == 4 && bytes < 10000000; bytes += bytes / 2) {
-        (void)snprintf(line, sizeof line, SERIES OFTEN "--json %s %s %s", rows, is_there(file) ? "--resume" : "--checkpoint",
-                       file);
+        (void)snprintf(line, sizeof line, SERIES OFTEN "--json %s %s %s", rows,
+                       is_there(file) ? "--resume" : "--checkpoint", file);
         (void)unlink(rows);
         status = run_within(line, RLIMIT_FSIZE, bytes);
         ck_assert_msg(status == 0 || (status == 4 && strstr(said, "File too large")), "%s: %d: %s", line, status, said);

@@ -4,8 +4,8 @@
  *     pm__each_refusal("a map", build, &context);
  *
  * calls build with the first allocation refused, then with the second, and so on until none is left to refuse. Each
- * time the result must be PM_ENOMEM with a sentence, or, where it can be had with less memory, the same as ever; and all
- * that was allocated meanwhile must have been freed.
+ * time the result must be PM_ENOMEM with a sentence, or, where it can be had with less memory, the same as ever; and
+ * all that was allocated meanwhile must have been freed.
  *
  * Not refused: what the C library allocates for itself, and OpenEXR, Embree and libpng but where they tell us. */
 #ifndef PM_TESTS_FAULTS_ALLOCATION_H
@@ -25,8 +25,8 @@
 #include <string.h>
 #include <time.h>
 
-/* Of allocations while `on`: how many there were, which is refused (from 1; 0: none), and all after it if `from_then_on`.
- * live: those not yet freed, by address. */
+/* Of allocations while `on`: how many there were, which is refused (from 1; 0: none), and all after it if
+ * `from_then_on`. live: those not yet freed, by address. */
 enum { PM__LIVE_MOST = 1 << 16 };
 typedef struct pm__heap {
     pthread_mutex_t lock;

@@ -97,8 +97,8 @@ static inline int pm__run_command(const char *line)
 
 static inline bool pm__is_of_the_clock(const char *key)
 {
-    static const char *const parts[] = {"ns_", "_ms", "seconds", "_s", "ratio", "samples", "load", "pareto", "efficiency",
-                                        "governor"};
+    static const char *const parts[] = {"ns_", "_ms", "seconds", "_s", "ratio", "samples", "load", "pareto",
+                                        "efficiency", "governor"};
     bool is = false;
     const size_t length = strlen(key);
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {

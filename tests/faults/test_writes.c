@@ -1,7 +1,8 @@
 /* Writes that fail at the nth byte, for every n of small files and for many of large ones: the status is 4, or PM_EIO,
  * the message names the file and the reason, nothing is left behind, and a file that was there stays as it was.
  *
- * The system does it: beyond RLIMIT_FSIZE a write comes back short, and then with EFBIG, as on a full disk with ENOSPC. */
+ * The system does it: beyond RLIMIT_FSIZE a write comes back short, and then with EFBIG, as on a full disk with
+ * ENOSPC. */
 #include "../../src/base/output.h"
 #include "../../src/image/image.h"
 #include "../../src/image/png.h"
@@ -135,7 +136,8 @@ END_TEST
 
 START_TEST(images)
 {
-    check_command("render plate --size 20x20 --photons 50 --spp 1 --k 5 --threads 1 --quiet -o @image.exr", "image.exr");
+    check_command("render plate --size 20x20 --photons 50 --spp 1 --k 5 --threads 1 --quiet -o @image.exr",
+                  "image.exr");
 }
 END_TEST
 
@@ -166,8 +168,8 @@ static void check_writer_on(const char *what, writer write, bool existing)
             break;
         }
         ck_assert_msg(status == PM_EIO, "%s: byte %ld fails: status %d", what, n, (int)status);
-        ck_assert_msg(strstr(error.text, path) && strstr(error.text, "File too large"), "%s: byte %ld fails: %s", what, n,
-                      error.text);
+        ck_assert_msg(strstr(error.text, path) && strstr(error.text, "File too large"), "%s: byte %ld fails: %s",
+                      what, n, error.text);
         check_untouched(what, n, path, existing);
     }
     pm__test_directory_remove(&pm__place);
