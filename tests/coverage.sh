@@ -16,6 +16,7 @@ done | xargs gcov --branch-probabilities --no-output 2>/dev/null | awk -v lines=
         mine = file ~ /^(src|estimators)\/.*\.c$/ && !(file in seen)
         seen[file] = 1
     }
+    /^$/ { mine = 0 } # a sum of all follows the last file
     !mine { next }
     { split($2, part, /[:%]/) }
     /^Lines executed/ { line = part[2]; count = $4; all += count; hit += count * line / 100 }
