@@ -100,13 +100,22 @@ check: deps ## every test
 check-san: deps ## every test under the address and undefined-behaviour sanitizers
 	$(Q)CK_TIMEOUT_MULTIPLIER=10 $(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/san run-tests \
 	    CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
+check-tsan: deps ## what runs on several threads, under the thread sanitizer
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/tsan OPENMP= \
+	    CFLAGS="-O1 -g -fsanitize=thread" tests program
+	$(Q)tests/threads.sh $(BUILD)/tsan
+coverage: deps ## lines and branches of src/ and estimators/ that the tests of KINDS reach (all but stat), with gcov
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)/coverage CFLAGS="-O0 -g --coverage" tests lib program
+	$(Q)tests/coverage.sh $(BUILD)/coverage $(KINDS)
 fuzz: ## each fuzzer for FUZZ_SECONDS (3600), with clang's libFuzzer and sanitizers
 	$(Q)$(MAKE) --no-print-directory $(PARALLEL) CC=clang BUILD=$(BUILD)/fuzzing fuzzers \
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all"
 	$(Q)tests/fuzz/run_fuzz.sh $(BUILD)/fuzzing $(FUZZ_SECONDS)
 fuzzers: $(FUZZERS)
-check-full: check check-san ## check, check-san, valgrind on the unit tests, the full statistics
-	$(Q)PM_FULL=1 tests/run.sh $(BUILD) stat
+check-full: check check-san check-tsan coverage ## all of that, faults at every place, valgrind, every SIMD width
+	$(Q)PM_FULL=1 tests/run.sh $(BUILD) stat faults
+	$(Q)tests/widths.sh $(BUILD)
+	$(Q)CC="$(CC)" .ci/deps.sh install full
 	$(Q)tests/valgrind.sh $(BUILD)
 tests: $(TESTS) ## builds the tests
 run-tests: tests lib program
@@ -204,11 +213,15 @@ $(BUILD)/photonbench: $(MAIN_OBJECT) $(BUILD)/program.a $(BUILD)/libphotonmap.a
 	$(call say,LD,$@)
 	$(Q)$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) $^ $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng -ljansson -lm -o $@
 
+# Tests of faults stand between the program and what it asks of the system (tests/faults/allocation.h).
+WRAPPED = malloc calloc realloc aligned_alloc free strdup strndup asprintf fopen fdopen open_memstream rtcNewDevice
+$(BUILD)/tests/faults/%_memory: PM_WRAP = $(WRAPPED:%=-Wl,--wrap=%)
+
 # Tests see the program's parts as well as the library's, so they link the static archives.
 $(BUILD)/tests/%: tests/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUILD)/.flags | $(BUILD)/.check-deps
 	$(call say,TEST,$@)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $< \
+	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) -DPM_BUILD='"$(abspath $(BUILD))"' $(DEPENDENCIES) -MF $@.d $(LDFLAGS) $(PM_WRAP) $< \
 	    $(BUILD)/program.a $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng \
 	    `pkg-config --libs check gsl mpfr jansson` -lm -o $@
 
@@ -220,5 +233,5 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUI
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d) $(FUZZERS:=.d)
 .PHONY: all lib program install uninstall clean demo run-demo bench run-bench \
-    check check-san check-full fuzz fuzzers tests run-tests deps deps-build deps-bench help .FORCE
+    check check-san check-tsan check-full coverage fuzz fuzzers tests run-tests deps deps-build deps-bench help .FORCE
 .DELETE_ON_ERROR:

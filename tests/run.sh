@@ -32,7 +32,7 @@ fi
 
 build=$1
 shift
-[ $# -gt 0 ] || set -- stat errata oracle unit cli fuzz # the longest first
+[ $# -gt 0 ] || set -- stat errata oracle unit faults cli fuzz # the longest first
 rm -rf "$build/test-logs"
 mkdir -p "$build/test-logs"
 for kind in "$@"; do

@@ -4,6 +4,7 @@
 #include "../base/memory.h"
 #include "../base/parallel.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 enum { BLOCK = 64 };
@@ -15,6 +16,7 @@ typedef struct prediction {
     bool *has_law;        /* [variant] */
     double power, flux;   /* W, of all photons and of each */
     bool independent;
+    atomic_bool refused; /* memory, to any block */
 } prediction;
 
 /* p within r: of the job's case around a probe, as the lookup has it. */
@@ -139,12 +141,14 @@ static void predict_probe(const prediction *p, size_t probe, bool *done)
 
 static void predict_block(void *argument, size_t block)
 {
-    const prediction *const p = argument;
+    prediction *const p = argument;
     if (pm__is_canceled(p->job->config))
         return;
     bool *const done = pm__alloc(p->job->variant_count, sizeof *done);
-    if (!done)
-        return; /* no prediction is the honest answer */
+    if (!done) {
+        atomic_store(&p->refused, true);
+        return;
+    }
     for (size_t q = block * BLOCK; q < p->job->probe_count && q < (block + 1) * BLOCK; q++)
         predict_probe(p, q, done);
     free(done);
@@ -207,5 +211,7 @@ pm_status pm__predict(pm__job *job)
         pm__for(job->config->parallel, (job->probe_count + BLOCK - 1) / BLOCK, predict_block, &p);
     free(p.laws);
     free(p.has_law);
+    if (atomic_load(&p.refused))
+        return PM_ENOMEM;
     return pm__is_canceled(job->config) ? PM_ECANCELED : PM_OK;
 }

@@ -111,7 +111,7 @@ static void fill_row(const pm__job *job, const pm__timing *timings, size_t v, si
 pm_status pm__append_rows(const pm__job *job, const pm__timing *timings, pm__accuracy_row **rows, size_t *count)
 {
     const size_t more = job->variant_count * job->subject->region_count;
-    double *const scratch = pm__alloc(job->probe_count, sizeof *scratch);
+    double *const scratch = pm__alloc(job->probe_count + 3 * job->config->trials, sizeof *scratch);
     pm__accuracy_row *const grown = realloc(*rows, (*count + more) * sizeof *grown);
     if (grown)
         *rows = grown;

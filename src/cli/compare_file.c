@@ -1,5 +1,6 @@
 /* Reading result files, which anyone may have written. */
 #include "compare.h"
+#include "refused.h"
 
 #include <errno.h>
 #include <math.h>
@@ -217,7 +218,7 @@ static pm_status parse(FILE *stream, pm__result_file *file, pm_error *error)
     if (file->root)
         return PM_OK;
     make_printable(reason.text);
-    if (json_error_code(&reason) == json_error_out_of_memory)
+    if (json_error_code(&reason) == json_error_out_of_memory || pm__refused_status(NULL) != PM_OK)
         return pm__fail(error, PM_ENOMEM, "out of memory");
     return pm__fail(error, PM_EFORMAT, "%s: line %d, byte %d: expected JSON: %.120s", file->name, reason.line,
                     reason.position, reason.text);
@@ -229,7 +230,8 @@ pm_status pm__result_file_load(const char *path, pm__result_file *file, pm_error
     pm__quote_path(path, file->name);
     FILE *const stream = fopen(path, "rb");
     if (!stream)
-        return pm__fail(error, PM_EIO, "%s: cannot be opened: %s", file->name, strerror(errno));
+        return pm__fail(error, errno == ENOMEM ? PM_ENOMEM : PM_EIO, "%s: cannot be opened: %s", file->name,
+                        strerror(errno));
     pm_status status = parse(stream, file, error);
     (void)fclose(stream);
     if (status == PM_OK)

@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "version.h"
+#include "refused.h"
 
 #include "../base/clock.h"
 #include "../search/wide.h"
@@ -106,7 +107,7 @@ static pm_status check_same(const pm__keep *keep, const pm__checkpoint *found, j
         json_is_object(was) ? compare_options(file, was, asked, error)
                             : pm__fail(error, PM_EFORMAT, "%s: expected the options in effect", file);
     json_decref(was);
-    return status;
+    return pm__refused_status(NULL) == PM_OK ? status : pm__refused_status(error);
 }
 
 /* ---- The file ---------------------------------------------------------------------------------- */
@@ -192,6 +193,8 @@ pm_status pm__keep_open(const pm__converge_task *task, pm__keep *keep, pm_error 
     pm_status status = keep->checkpoint.version && keep->checkpoint.asked && keep->checkpoint.parts
                            ? PM_OK
                            : pm__fail(error, PM_ENOMEM, "out of memory");
+    if (status == PM_OK) /* options that lack some would be others, now or when it is read again */
+        status = pm__refused_status(error);
     if (status == PM_OK && s->converge.resume)
         status = resume(keep, task->count, asked, error);
     if (status == PM_OK)

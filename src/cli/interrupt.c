@@ -50,6 +50,10 @@ static void handle(void (*handler)(int number))
 void pm__interrupt_obey(void)
 {
     handle(end);
+    /* What these say, the write that they come from says too; by default they would end the program with files half
+     * written. */
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)signal(SIGXFSZ, SIG_IGN);
 }
 
 void pm__interrupt_watch(void)

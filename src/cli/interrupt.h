@@ -7,7 +7,8 @@
 enum { PM__MOST_HELD = 264 };
 
 /* From now on such a signal removes what pm__interrupt_hold named and ends the process at once, with
- * PM__EXIT_INTERRUPTED. A signal that the process was started to ignore stays ignored, here and below. */
+ * PM__EXIT_INTERRUPTED. A signal that the process was started to ignore stays ignored, here and below. SIGPIPE and
+ * SIGXFSZ are ignored: the write fails, and is an error like others. */
 void pm__interrupt_obey(void);
 
 /* From now on the first such signal only sets a flag; a second one ends the process as above. */

@@ -1,9 +1,11 @@
 /* What the numbers were measured on. */
 #include "results.h"
 #include "parallel.h"
+#include "refused.h"
 
 #include "../search/wide.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,13 +28,16 @@ static char *find_line(const char *path, const char *prefix)
     FILE *const file = fopen(path, "r");
     char *line = NULL, *found = NULL;
     size_t size = 0;
+    if (!file && errno == ENOMEM)
+        pm__refused_note();
     if (!file)
         return NULL;
     while (!found && getline(&line, &size, file) > 0) {
         if (strncmp(line, prefix, strlen(prefix)) != 0)
             continue;
         const char *const value = line + strlen(prefix) + strspn(line + strlen(prefix), " \t:");
-        found = strndup(value, strcspn(value, "\n"));
+        if (!pm__refused_if_null(found = strndup(value, strcspn(value, "\n"))))
+            break;
     }
     free(line);
     (void)fclose(file);
@@ -51,7 +56,9 @@ static json_t *text_or_null(char *text)
 static char *simd_width(void)
 {
     pm_simd simd;
-    return pm__choose_simd(PM_SIMD_AUTO, &simd, NULL) == PM_OK ? strdup(pm__simd_name(simd)) : NULL;
+    return pm__choose_simd(PM_SIMD_AUTO, &simd, NULL) == PM_OK
+               ? pm__refused_if_null(strdup(pm__simd_name(simd)))
+               : NULL;
 }
 
 /* The number at the start of a file's line, in units of `unit`; INFINITY where there is none. */

@@ -1,6 +1,7 @@
 /* photonbench: dispatch. */
 #include "commands.h"
 #include "interrupt.h"
+#include "refused.h"
 #include "version.h"
 
 #include <fcntl.h>
@@ -51,6 +52,7 @@ int main(int argc, char **argv)
 {
     occupy_standard_files();
     pm__interrupt_obey();
+    pm__refused_watch();
     const char *const name = argc > 1 ? argv[1] : NULL;
     if (!name) {
         pm__help_overview(stderr);

@@ -1,6 +1,7 @@
 /* Sinks: standard output or files that are complete or absent. */
 #include "results.h"
 #include "interrupt.h"
+#include "refused.h"
 
 #include "../base/status.h"
 
@@ -88,14 +89,20 @@ void pm__sink_discard(pm__sink *sink)
 static pm_status finish_sink(pm__sink *sink, void (*write)(FILE *file, const pm__results *results),
                              const pm__results *results, pm_error *error)
 {
-    if (sink->wanted)
+    if (sink->wanted) {
         write(pm__sink_file(sink), results);
+        const pm_status status = pm__refused_status(error);
+        if (status != PM_OK)
+            return status; /* the caller discards it */
+    }
     return pm__sink_close(sink, error);
 }
 
 pm_status pm__sinks_finish(pm__sinks *sinks, const pm__results *results, pm_error *error)
 {
-    pm_status status = finish_sink(&sinks->json, pm__write_json, results, error);
+    pm_status status = pm__refused_status(error);
+    if (status == PM_OK)
+        status = finish_sink(&sinks->json, pm__write_json, results, error);
     if (status == PM_OK)
         status = finish_sink(&sinks->csv, pm__write_csv, results, error);
     if (status == PM_OK)

@@ -128,7 +128,8 @@ pm_status pm__sinks_open(const pm__settings *settings, bool screen, pm__sinks *s
 /* The file to print the screen form to, or NULL. */
 FILE *pm__sinks_screen(const pm__sinks *sinks);
 
-/* Writes the data formats and closes everything: files are then complete, or absent on error. */
+/* Writes the data formats and closes everything: files are then complete, or absent on error. EIO, ENOMEM
+ * (refused.h). */
 pm_status pm__sinks_finish(pm__sinks *sinks, const pm__results *results, pm_error *error);
 
 void pm__sinks_discard(pm__sinks *sinks);

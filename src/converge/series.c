@@ -208,7 +208,7 @@ static pm_status expect(const pm__measuring *m, double **profile, double law[PM_
 
 static pm_status summarize(const pm__measuring *m, const pm__record_set *set, pm_error *error)
 {
-    double *const scratch = pm__alloc(set->values > set->trials ? set->values : set->trials, sizeof *scratch);
+    double *const scratch = pm__alloc(set->values + 3 * set->trials, sizeof *scratch);
     if (!scratch)
         return pm__fail(error, PM_ENOMEM, "out of memory for %zu values", set->values);
     const double scale = set->scale;

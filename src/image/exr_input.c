@@ -49,7 +49,8 @@ static pm_status check_start(const pm__exr_input *in, pm_error *error)
 
 static pm_status io_error(const pm__exr_input *in, int number, pm_error *error)
 {
-    return pm__fail(error, PM_EIO, "%s: cannot be read: %s", in->name, strerror(number ? number : EIO));
+    return pm__fail(error, number == ENOMEM ? PM_ENOMEM : PM_EIO, "%s: cannot be read: %s", in->name,
+                    strerror(number ? number : EIO));
 }
 
 static pm_status read_all(FILE *file, pm__exr_input *in, pm_error *error)

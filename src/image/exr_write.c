@@ -14,6 +14,7 @@ typedef struct output {
     pm__exr_message message;
     unsigned char *bytes;
     size_t size, capacity;
+    bool refused; /* memory: the library makes its own error of ours */
 } output;
 
 static int64_t append(exr_const_context_t context, void *user, const void *from, uint64_t count, uint64_t offset,
@@ -23,6 +24,7 @@ static int64_t append(exr_const_context_t context, void *user, const void *from,
     const size_t end = (size_t)(offset + count);
     void *bytes = out->bytes;
     if (pm__grow(&bytes, &out->capacity, end, 1) != 0) {
+        out->refused = true;
         (void)fail(context, EXR_ERR_OUT_OF_MEMORY, "no memory for the file's %zu bytes", end);
         return -1;
     }
@@ -141,7 +143,7 @@ static exr_result_t encode(exr_context_t context, const pm__image *image)
 
 static pm_status library_error(const output *out, exr_result_t code, pm_error *error)
 {
-    return pm__fail(error, code == EXR_ERR_OUT_OF_MEMORY ? PM_ENOMEM : PM_EINVAL,
+    return pm__fail(error, out->refused || code == EXR_ERR_OUT_OF_MEMORY ? PM_ENOMEM : PM_EINVAL,
                     "the image cannot be put in a file: %s", pm__exr_reason(&out->message, code));
 }
 

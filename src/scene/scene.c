@@ -58,7 +58,7 @@ pm_status pm__scene_on(RTCDevice device, pm__scene **scene, pm_error *error)
     }
     if (!made->rays) {
         pm__scene_destroy(made);
-        return pm__fail(error, PM_ENOMEM, "Embree cannot be started");
+        return pm__fail(error, PM_ENOMEM, "out of memory: Embree cannot be started");
     }
     /* Robust: rays do not slip through between two triangles. */
     rtcSetSceneFlags(made->rays, RTC_SCENE_FLAG_ROBUST);

@@ -41,8 +41,8 @@ typedef struct pm__error_summary {
 } pm__error_summary;
 
 /* Moments and 95 % jackknife intervals over trials. noise and rmse have theirs on a log scale; rms_bias on the scale of
- * its square, by inversion of its test, one-sided (low = 0) where 0 is not excluded. scratch: probes doubles. Cost: two
- * passes. */
+ * its square, by inversion of its test, one-sided (low = 0) where 0 is not excluded. scratch: probes + 3 trials
+ * doubles. Cost: two passes. */
 void pm__summarize_errors(const pm__trial_errors *errors, double *scratch, pm__error_summary *summary);
 
 /* Of n >= 1 values, which are sorted in place. */

@@ -5,7 +5,6 @@
 #include "stats.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* What the estimates need of a set of n trials: means of e, of e^2, and of the squared trial mean. */
@@ -188,13 +187,8 @@ static void fill_summary(const sums *u, const double *sum_of_probe, pm__error_su
 
 void pm__summarize_errors(const pm__trial_errors *errors, double *scratch, pm__error_summary *summary)
 {
-    const pm__interval none = {NAN, NAN};
-    *summary = (pm__error_summary){NAN, NAN, NAN, NAN, none, none, none, none};
-    double *const per_trial = malloc(3 * errors->trials * sizeof *per_trial);
-    if (!per_trial)
-        return;
+    double *const per_trial = scratch + errors->probes;
     sums u = {errors, per_trial, per_trial + errors->trials, per_trial + 2 * errors->trials, 0.0, 0.0, 0.0};
     add_up(&u, scratch);
     fill_summary(&u, scratch, summary);
-    free(per_trial);
 }

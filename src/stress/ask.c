@@ -237,11 +237,10 @@ static void compare_twin(const expected *due, pm_status status, const pm_estimat
 
 enum { DUES = PM__FORMS * 2 };
 
-/* What is due of each form in the plane and in space; how many. */
-static size_t judge_all(const pm__asking *asking, expected *dues)
+/* What is due of each form in the plane and in space. */
+static pm_status judge_all(const pm__asking *asking, expected *dues)
 {
     const pm__hood *const hood = asking->hood;
-    size_t count = 0;
     for (int form = 0; form < PM__FORMS; form++)
         for (int d = 2; d <= 3; d++) {
             expected *const u = &dues[form * 2 + d - 2];
@@ -250,16 +249,18 @@ static size_t judge_all(const pm__asking *asking, expected *dues)
                                              .spec = asking->spec, .dimensions = d, .rounds = hood->rounds,
                                              .oracle_k = hood->query.k / 2};
             pm__judge(&u->request, &u->judged);
+            if (u->judged.status == PM_ENOMEM)
+                return PM_ENOMEM;
             if (!(pm__estimator_of(asking->spec)->dimensions >> d & 1U))
                 u->judged = (pm__judged){.status = PM_EINVAL, .clear = true, .maps = 1};
             u->coarse = hood->coarse;
             (void)snprintf(u->what, sizeof u->what, "%s, %s, %d-D", hood->what, pm__form_names[form], d);
-            count++;
         }
-    return count;
+    return PM_OK;
 }
 
-static void ask_forms(const subject *s, const subject *twin, const pm_search *search, const pm__asking *asking,
+/* ENOMEM, of whatever was asked, says nothing of the numbers. */
+static pm_status ask_forms(const subject *s, const subject *twin, const pm_search *search, const pm__asking *asking,
                       const pm__hood *twin_hood, const expected *dues, pm__worst *worst)
 {
     for (int i = 0; i < DUES; i++) {
@@ -268,14 +269,19 @@ static void ask_forms(const subject *s, const subject *twin, const pm_search *se
         if (!pm__form_fits(search, i / 2))
             continue;
         const pm_status status = ask(s, &u->query, u->request.dimensions, u->request.oracle_k, &found);
+        if (status == PM_ENOMEM)
+            return status;
         if (!asking->hood->twin_length && !asking->hood->twin_power) {
             compare(u, status, &found, worst);
             continue;
         }
         const pm_query query = pm__form_query(twin_hood, i / 2);
         const pm_status other = ask(twin, &query, u->request.dimensions, u->request.oracle_k, &scaled);
+        if (other == PM_ENOMEM)
+            return other;
         compare_twin(u, status, &found, other, &scaled, asking->hood, worst);
     }
+    return PM_OK;
 }
 
 static pm_status ask_subject(subject *s, subject *twin, const pm__asking *asking, const pm__hood *twin_hood,
@@ -287,7 +293,8 @@ static pm_status ask_subject(subject *s, subject *twin, const pm__asking *asking
     if (status == PM_OK)
         status = build_maps(twin, twin_hood, by, simd);
     if (status == PM_OK)
-        ask_forms(s, twin, by, asking, twin_hood, dues, &asking->worst[search * asking->widths->count + width]);
+        status = ask_forms(s, twin, by, asking, twin_hood, dues,
+                           &asking->worst[search * asking->widths->count + width]);
     destroy_maps(s);
     destroy_maps(twin);
     return status;
@@ -308,7 +315,7 @@ pm_status pm__stress_ask(const pm__asking *asking)
     if (status == PM_OK && (asking->hood->twin_length || asking->hood->twin_power))
         pm__twin_of(asking->hood, photons, &twin_hood);
     if (status == PM_OK)
-        (void)judge_all(asking, dues);
+        status = judge_all(asking, dues);
     for (size_t i = 0; i < asking->search_count; i++)
         for (size_t w = 0; w < asking->widths->count && status == PM_OK; w++)
             status = ask_subject(&s, &twin, asking, &twin_hood, dues, i, w);

@@ -111,10 +111,15 @@ static pm_status search_subject(const pm__asking *asking, const pm__nears *dues,
     pm_map *map = NULL;
     pm_error error = {""};
     pm__worst *const worst = &asking->worst[search * asking->widths->count + width];
-    const pm_status status = pm_map_create(asking->hood->photons, asking->hood->count, &options, &map, NULL);
+    pm_status status = pm_map_create(asking->hood->photons, asking->hood->count, &options, &map, NULL);
     if (status != PM_OK)
         return status;
-    if (pm_map_check(map, &error) != PM_OK)
+    status = pm_map_check(map, &error);
+    if (status == PM_ENOMEM) {
+        pm_map_destroy(map);
+        return status;
+    }
+    if (status != PM_OK)
         pm__worst_fail(worst, "%.120s: %s", error.text, asking->hood->what);
     looking l = {.hood = asking->hood, .map = map, .found = found, .room = asking->hood->count + 1, .worst = worst};
     for (int form = 0; form < PM__FORMS; form++)

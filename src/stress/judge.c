@@ -278,7 +278,8 @@ static size_t nearest_carrier(const pm__judge_request *request, pm__judged *judg
     pm_photon *const carriers = calloc(some + 1, sizeof *carriers);
     pm__nears nears = {.near = calloc(some + 1, sizeof *nears.near)};
     size_t found = SIZE_MAX;
-    judged->clear &= carriers && nears.near;
+    if (!carriers || !nears.near)
+        judged->status = PM_ENOMEM;
     if (carriers && nears.near) {
         for (size_t i = 0; i < some; i++)
             carriers[i] = request->photons[i * all / some];
@@ -334,7 +335,8 @@ static void judge_query(const pm__judge_request *request, pm__judged *judged)
     pm__nears sets[64];
     size_t room = 0;
     pm__near *const near = calloc(request->count + 1, sizeof *near);
-    judged->clear &= near != NULL;
+    if (!near)
+        judged->status = PM_ENOMEM;
     for (size_t m = 0; m < judged->maps && near; m++) {
         sets[m].near = near + room;
         pm__judge_find(request->photons, request->count, request->query,

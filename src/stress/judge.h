@@ -26,6 +26,7 @@ typedef struct pm__judged {
     bool clear;    /* nothing was decided by a difference that rounding may turn round */
 } pm__judged;
 
+/* status ENOMEM: nothing was judged. */
 void pm__judge(const pm__judge_request *request, pm__judged *judged);
 
 /* The bound of an estimate's error, in ulps (float ulps where distances round): see stress.h. */

@@ -169,7 +169,7 @@ void pm__judge_hull(const pm__judge_request *request, const pm__nears *set, pm__
 {
     corner *const points = calloc(set->count + 1, sizeof *points);
     shape s = {.hull = calloc(2 * set->count + 2, sizeof *s.hull)};
-    judged->status = PM_EDEGENERATE;
+    judged->status = points && s.hull ? PM_EDEGENERATE : PM_ENOMEM;
     if (points && s.hull && set->count >= 3) {
         project(request, set, points);
         s.corners = add_side(points, set->count, false, s.hull, 0);
@@ -184,7 +184,6 @@ void pm__judge_hull(const pm__judge_request *request, const pm__nears *set, pm__
             }
         }
     }
-    judged->clear &= points && s.hull;
     free(points);
     free(s.hull);
 }

@@ -17,7 +17,7 @@ static const char *const page_paths[] = {"README.md",        "docs/accuracy.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
                                          "docs/scenes.md",   "docs/render.md",   "docs/speed.md",
                                          "docs/converge.md", "docs/advise.md",   "docs/storage.md",
-                                         "docs/stress.md",   "docs/promises.md"};
+                                         "docs/stress.md",   "docs/promises.md", "docs/robust.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];

@@ -42,7 +42,8 @@ enum { PROBES = 24 };
 static void count_planted(size_t trials, unsigned replicates, double planted, unsigned covered[4])
 {
     float *const error = pm__alloc(trials * PROBES, sizeof *error);
-    double scratch[PROBES], bias = 0.0, squared = 0.0;
+    double *const scratch = pm__alloc(PROBES + 3 * trials, sizeof *scratch);
+    double bias = 0.0, squared = 0.0;
     for (size_t q = 0; q < PROBES; q++) {
         const double b = planted * (double)q / PROBES;
         bias += b / PROBES;
@@ -68,6 +69,7 @@ static void count_planted(size_t trials, unsigned replicates, double planted, un
         covered[2] += holds(s.noise_ci95, 1.0);
         covered[3] += holds(s.rmse_ci95, sqrt(1.0 + squared));
     }
+    free(scratch);
     free(error);
 }
 

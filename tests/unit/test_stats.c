@@ -109,7 +109,7 @@ static void check_rms_bias(const float *error, double u, double se2, double q, c
 START_TEST(summaries_follow_their_definitions)
 {
     float error[TRIALS * STRIDE];
-    double scratch[PROBES], all[4], se[4] = {0.0}, mean[4] = {0.0}, without[TRIALS][4];
+    double scratch[PROBES + 3 * TRIALS], all[4], se[4] = {0.0}, mean[4] = {0.0}, without[TRIALS][4];
     fill(error);
     const pm__trial_errors errors = {error, TRIALS, PROBES, STRIDE};
     pm__error_summary s;
@@ -143,7 +143,7 @@ START_TEST(summaries_of_constant_errors_are_finite)
 {
     for (int constant = 0; constant < 2; constant++) {
         float error[4 * 3];
-        double scratch[3];
+        double scratch[3 + 3 * 4];
         for (int i = 0; i < 12; i++)
             error[i] = (float)constant;
         const pm__trial_errors errors = {error, 4, 3, 3};
