@@ -35,7 +35,7 @@ START_TEST(test_shares)
     double shares[2 * PER_LIGHT], all = 0.0;
     size_t counts[2 * PER_LIGHT] = {0};
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     ck_assert_uint_eq(strata.count, 32); /* 16 of each light */
     share_by_number(&emission, &strata, shares);
     for (size_t i = 0; i < strata.count; i++)
@@ -60,7 +60,7 @@ START_TEST(test_powers)
     pm__strata strata;
     double shares[2 * PER_LIGHT], all = 0.0, sent = 0.0, tried = 0.0;
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     for (size_t i = 0; i < strata.count; i++)
         all += shares[i] = 2.0 + (double)(i % 3);
     pm__strata_share(&emission, &strata, shares);
@@ -84,7 +84,7 @@ START_TEST(test_places)
     pm__strata strata;
     double shares[2 * PER_LIGHT];
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     share_by_number(&emission, &strata, shares);
     for (uint64_t n = 0; n < 2000; n++) {
         const uint64_t number = n % 2 ? PM__MOST_TRACED + n / 2 % (4 * strata.count) : n;
@@ -111,7 +111,7 @@ START_TEST(test_many_at_once)
     pm__batch b;
     memset(&b, 0, sizeof b);
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     share_by_number(&emission, &strata, shares);
     emission.strata = &strata;
     b.count = PM__BATCH;
