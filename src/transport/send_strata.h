@@ -10,7 +10,7 @@
 typedef struct pm__stray {
     pm_photon photon; /* power: in units of the storage */
     float normal[3];
-    float load;       /* as pm__load_of */
+    float load;       /* its power over that of a photon as it leaves that is sent evenly */
     bool important;
 } pm__stray;
 

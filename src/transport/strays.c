@@ -15,25 +15,35 @@ static const double most_load = 2.4;
 
 /* ---- Put aside ---------------------------------------------------------------------------------- */
 
-/* Marks them, and says how many. A path's photons have all its load. */
-static size_t mark_strays(const pm__storage *storage, const pm__arrivals *arrivals, bool everywhere, float *loads,
+/* Of a photon sent evenly as it leaves, in units. */
+static double even_power(const pm__storage *storage)
+{
+    return storage->emission.total / storage->unit * (double)storage->planned / (double)storage->config->emitted;
+}
+
+static float power_of(const pm_photon *photon)
+{
+    return photon->power[0] + photon->power[1] + photon->power[2];
+}
+
+/* Marks them, and says how many. */
+static size_t mark_strays(const pm__storage *storage, const pm__arrivals *arrivals, bool everywhere,
                           unsigned char *aside)
 {
+    const float most = (float)(most_load * even_power(storage));
     size_t strays = 0;
-    double load = 0.0;
     for (size_t i = 0; i < arrivals->count; i++) {
-        if (i == 0 || arrivals->numbers[i] != arrivals->numbers[i - 1])
-            load = pm__load_of(storage, arrivals, i);
-        loads[i] = (float)load;
-        aside[i] = load > most_load && (everywhere || arrivals->part[i]);
+        aside[i] = power_of(&arrivals->photons[i]) > most && (everywhere || arrivals->part[i]);
         strays += aside[i];
     }
     return strays;
 }
 
-static pm_status put_aside(pm__sender *sender, const pm__arrivals *arrivals, const float *loads,
-                           const unsigned char *aside, size_t taken, size_t strays)
+static pm_status put_aside(pm__storage *storage, const pm__arrivals *arrivals, const unsigned char *aside, size_t taken,
+                           size_t strays)
 {
+    pm__sender *const sender = storage->sender;
+    const float even = (float)even_power(storage);
     if (pm__grow((void **)&sender->strays, &sender->stray_room, sender->stray_count + strays, sizeof *sender->strays))
         return PM_ENOMEM;
     for (size_t i = 0; i < taken; i++) {
@@ -42,7 +52,7 @@ static pm_status put_aside(pm__sender *sender, const pm__arrivals *arrivals, con
         pm__stray *const stray = &sender->strays[sender->stray_count++];
         stray->photon = arrivals->photons[i];
         memcpy(stray->normal, arrivals->normals[i], sizeof stray->normal);
-        stray->load = loads[i];
+        stray->load = power_of(&stray->photon) / even;
         stray->important = arrivals->part[i];
     }
     return PM_OK;
@@ -51,23 +61,20 @@ static pm_status put_aside(pm__sender *sender, const pm__arrivals *arrivals, con
 pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, bool everywhere,
                               size_t *taken)
 {
-    pm__sender *const sender = storage->sender;
     pm__arrivals others = *arrivals;
-    if (!(sender->heaviest > most_load) || pm__policy_value(storage, "strays", 0.0) == 1.0)
+    if (!(storage->sender->heaviest > most_load) || pm__policy_value(storage, "strays", 0.0) == 1.0)
         return keep(storage, arrivals, taken);
     unsigned char *const aside = pm__alloc(arrivals->count, sizeof *aside);
-    float *const loads = pm__alloc(arrivals->count, sizeof *loads);
-    pm_status status = aside && loads ? PM_OK : PM_ENOMEM;
+    pm_status status = aside ? PM_OK : PM_ENOMEM;
     if (status == PM_OK) {
         const bool counted = storage->config->stored < SIZE_MAX;
-        const size_t strays = mark_strays(storage, arrivals, everywhere && !counted, loads, aside);
+        const size_t strays = mark_strays(storage, arrivals, everywhere && !counted, aside);
         others.aside = strays ? aside : NULL;
         status = keep(storage, &others, taken);
         if (status == PM_OK && strays)
-            status = put_aside(sender, arrivals, loads, aside, *taken, strays);
+            status = put_aside(storage, arrivals, aside, *taken, strays);
     }
     free(aside);
-    free(loads);
     return status;
 }
 
