@@ -8,7 +8,7 @@
 enum { SIDE = 64, LEVELS = PM__SURROUNDING_LEVELS };
 
 /* Photons of a voxel of surface whose side is the radius of 50, pi r^2 of them, and some more. */
-enum { ENOUGH = 24 };
+enum { ENOUGH = 12 };
 
 enum { SEED = 1, NEAR = 2 };
 
