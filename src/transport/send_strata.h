@@ -21,17 +21,17 @@ typedef struct pm__sender {
     size_t stray_count, stray_room;
 } pm__sender;
 
-/* Parameters `strata`, `tests`: a light's strata and trial photons of each at least. First whole lights are tried; those
- * of which photons find importance are cut into strata, others are one. Strata send, of what even sending of
- * config->emitted photons would, the share that is best by what their trial photons found, up to all of it, but no less
- * than 1/`ratio`, and no less than one photon or what even sending would: so photons carry up to `ratio` times the
- * power. Photons are fresh, so that nothing is biased. With `form=printed` all lights are cut; strata of which a trial
- * photon comes to an important place send as even sending would, those in vain none: what their trial photons stored is
- * stored, each for its share of the stratum (erratum 38). */
+/* Parameters `strata`, `tests`: a light's strata and trial photons of each at least. First whole lights are tried;
+ * those of which photons find importance are cut into strata, others are one. Strata send, of what even sending of
+ * config->emitted photons would, the share that is best by what their trial photons found, up to all of it, but no
+ * less than 1/`ratio`, and no less than one photon or what even sending would: so photons carry up to `ratio` times
+ * the power. Photons are fresh, so that nothing is biased. With `form=printed` all lights are cut; strata of which a
+ * trial photon comes to an important place send as even sending would, those in vain none: what their trial photons
+ * stored is stored, each for its share of the stratum (erratum 38). */
 extern const pm__sending pm__send_sets;
 
-/* Parameters `strata`, `tests`, `least`: tried in the same way, strata send by their power times what their trial photons
- * found of importance, and a share `least` of all photons evenly. */
+/* Parameters `strata`, `tests`, `least`: tried in the same way, strata send by their power times what their trial
+ * photons found of importance, and a share `least` of all photons evenly. */
 extern const pm__sending pm__send_by_importance;
 
 /* Power of arrival i's path when it left, over that of a photon sent evenly. */

@@ -13,11 +13,11 @@ typedef pm_status (*pm__keep)(pm__storage *storage, const pm__arrivals *arrivals
 pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, bool everywhere,
                               size_t *taken);
 
-/* Stores them. Where `split`, and config->stored is no end, those in important places and those near by, about within the reach of
- * a lookup of 50, are split: parts, at most 2.4 times as powerful as photons sent evenly, lie each at another of its
- * nearest of the same part whose side it came to; at those again where they are too few. Else their power is given to as
- * many stored photons, and they are stored where there are none. Flux: of each part, to rounding. Cost: some 0.1 us for each photon that lies near
- * important ones, 2 us a stray. */
+/* Stores them. Where `split`, and config->stored is no end, those in important places and those near by, about
+ * within the reach of a lookup of 50, are split: parts, at most 2.4 times as powerful as photons sent evenly, lie
+ * each at another of its nearest of the same part whose side it came to; at those again where they are too few. Else
+ * their power is given to as many stored photons, and they are stored where there are none. Flux: of each part, to
+ * rounding. Cost: some 0.1 us for each photon that lies near important ones, 2 us a stray. */
 pm_status pm__place_strays(pm__storage *storage, bool split);
 
 #endif
