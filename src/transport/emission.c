@@ -220,21 +220,52 @@ static void prepare_all(const pm__emission *emission, const pm__batch_kernel *ke
     }
 }
 
+static void depart_from(const pm__emission *emission, const pm__batch_kernel *kernel, size_t light, pm__batch *photons)
+{
+    const pm__light *const from = pm__scene_light_at(emission->scene, light);
+    const pm__lamp lamp = pm__lamp_of(from);
+    double power[3];
+    for (int b = 0; b < 3; b++)
+        power[b] = emission->strata ? from->power[b] : from->power[b] * factor_of(emission, light);
+    kernel->emit(photons, &lamp, (int64_t)light, power);
+}
+
+/* Of many lights: one by one, with the same digits. */
+static void depart_singly(const pm__emission *emission, pm__batch *photons)
+{
+    for (size_t i = 0; i < photons->count; i++) {
+        const size_t light = (size_t)photons->place[i];
+        const pm__light *const from = pm__scene_light_at(emission->scene, light);
+        const double u[4] = {photons->u[0][i], photons->u[1][i], photons->u[2][i], photons->v[0][i]};
+        const double factor = emission->strata ? 1.0 : factor_of(emission, light);
+        double position[3], direction[3];
+        pm__emit(from, u, position, direction);
+        for (int axis = 0; axis < 3; axis++) {
+            photons->origin[axis][i] = position[axis];
+            photons->direction[axis][i] = direction[axis];
+            photons->power[axis][i] = from->power[axis] * factor;
+        }
+    }
+}
+
 bool pm__depart_all(const pm__emission *emission, const pm__batch_kernel *kernel, pm__batch *photons)
 {
+    enum { FEW = 8 };
+    size_t few[FEW + 1], count = 0;
     if (!(emission->total > 0.0))
         return false;
     prepare_all(emission, kernel, photons);
-    for (size_t light = 0; light < pm__scene_light_count(emission->scene); light++) {
-        const pm__light *const from = pm__scene_light_at(emission->scene, light);
-        const pm__lamp lamp = pm__lamp_of(from);
-        double power[3];
-        if (!(sent(emission, light) > 0.0))
-            continue;
-        for (int b = 0; b < 3; b++)
-            power[b] = emission->strata ? from->power[b] : from->power[b] * factor_of(emission, light);
-        kernel->emit(photons, &lamp, (int64_t)light, power);
+    for (size_t i = 0; i < photons->count && count <= FEW; i++) {
+        size_t known = 0;
+        while (known < count && few[known] != (size_t)photons->place[i])
+            known++;
+        if (known == count)
+            few[count++] = (size_t)photons->place[i];
     }
+    for (size_t i = 0; i < count && count <= FEW; i++)
+        depart_from(emission, kernel, few[i], photons);
+    if (count > FEW)
+        depart_singly(emission, photons);
     for (int b = 0; b < 3 && emission->strata; b++)
         for (size_t i = 0; i < photons->count; i++)
             photons->power[b][i] *= photons->v[1][i];

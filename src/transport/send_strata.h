@@ -6,27 +6,32 @@
 #include "policies/policy.h"
 #include "strata.h"
 
+/* Put aside: see strays.h. */
 typedef struct pm__stray {
     pm_photon photon; /* power: in units of the storage */
     float normal[3];
+    float load;       /* its power over that of a photon as it leaves that is sent evenly */
+    bool important;
 } pm__stray;
 
 typedef struct pm__sender {
     pm__strata strata;
-    double heaviest;   /* of the strata's loads */
-    pm__stray *strays; /* photons of more power than others have where they came to */
+    double heaviest; /* of the strata's loads */
+    pm__stray *strays;
     size_t stray_count, stray_room;
 } pm__sender;
 
-/* Parameters `strata`, `tests`. Strata of which a trial photon comes to an important place send what even sending would
- * of config->emitted photons, others 1/`ratio` of that, but no fewer than one or what they would: so photons from them
- * carry up to `ratio` times the power. With `sets=graded` strata send by what trial photons found, from so few to so
- * many. Photons are fresh, so that nothing is biased. With `form=printed` strata in vain send none: what their trial
- * photons stored is stored, each for its share of the stratum (erratum 38). */
+/* Parameters `strata`, `tests`: a light's strata and trial photons of each at least. First whole lights are tried;
+ * those of which photons find importance are cut into strata, others are one. Strata send, of what even sending of
+ * config->emitted photons would, the share that is best by what their trial photons found, up to all of it, but no
+ * less than 1/`ratio`, and no less than one photon or what even sending would: so photons carry up to `ratio` times
+ * the power. Photons are fresh, so that nothing is biased. With `form=printed` all lights are cut; strata of which a
+ * trial photon comes to an important place send as even sending would, those in vain none: what their trial photons
+ * stored is stored, each for its share of the stratum (erratum 38). */
 extern const pm__sending pm__send_sets;
 
-/* Parameters `strata`, `tests`, `least`: strata send by their power times what their trial photons found of importance,
- * and a share `least` of all photons evenly. */
+/* Parameters `strata`, `tests`, `least`: tried in the same way, strata send by their power times what their trial
+ * photons found of importance, and a share `least` of all photons evenly. */
 extern const pm__sending pm__send_by_importance;
 
 /* Power of arrival i's path when it left, over that of a photon sent evenly. */
@@ -37,15 +42,6 @@ static inline double pm__load_of(const pm__storage *storage, const pm__arrivals 
         return 1.0;
     return sender->strata.items[pm__strata_find(&sender->strata, arrivals->first + arrivals->numbers[i])].load;
 }
-
-/* Keeps arrivals, but for strays, photons of more power than even ones that came to an important place: these are put
- * aside, unless `strays=keep`. */
-typedef pm_status (*pm__keep)(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken);
-pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, size_t *taken);
-
-/* Their power is shared out among the important photons that are nearest and face them; none receives more than it had
- * itself, from all of them. Where that cannot be, strays are stored. The powers of the stock must be final. */
-pm_status pm__share_strays(pm__storage *storage);
 
 #define PM__STRATA_PARAMS_OF(strata, tests)                                                                        \
     {"strata", PM__INTEGER, strata, 1.0, 65536.0, "", NULL, "of each light's emission; a power of two of them"},   \

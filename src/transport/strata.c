@@ -8,6 +8,9 @@
 /* The number whose first draw is the shift. */
 #define SHIFTING (PM__OTHER_NUMBERS + 3)
 
+/* Photons of a run: those that are traced together. */
+enum { RUN = PM__BATCH };
+
 /* Which of a light's numbers is halved first, second, ...: those that say where its photons go. */
 enum { CYCLE = 8 };
 static const unsigned char halved[][CYCLE] = {[PM__POINT] = {0, 1, 0, 1, 0, 1, 0, 1},
@@ -53,10 +56,26 @@ static void add_light(const pm__emission *emission, size_t light, size_t per_lig
     }
 }
 
-pm_status pm__strata_create(const pm__emission *emission, size_t per_light, size_t tests, pm__strata *strata)
+/* Lights that are cut first. */
+static void add_lights(const pm__emission *emission, size_t per_light, const bool *cut, pm__strata *strata)
 {
-    const size_t lights = pm__scene_light_count(emission->scene), most = lights * per_light;
+    const size_t lights = pm__scene_light_count(emission->scene);
+    for (int turn = 0; turn < 2; turn++) {
+        for (size_t i = 0; i < lights; i++)
+            if ((!cut || cut[i]) == (turn == 0) && sent_by(emission, i) > 0.0)
+                add_light(emission, i, turn == 0 ? per_light : 1, strata);
+        strata->fine = turn == 0 ? strata->count : strata->fine;
+    }
+}
+
+pm_status pm__strata_create(const pm__emission *emission, size_t per_light, const bool *cut, size_t tests,
+                            pm__strata *strata)
+{
+    const size_t lights = pm__scene_light_count(emission->scene);
+    size_t most = 0;
     double u[3];
+    for (size_t i = 0; i < lights; i++)
+        most += !cut || cut[i] ? per_light : 1;
     pm__trace_uniform(emission->seed, emission->trial, SHIFTING, 0, u);
     *strata = (pm__strata){.items = pm__alloc(most, sizeof *strata->items),
                            .ends = pm__alloc(most, sizeof *strata->ends),
@@ -66,9 +85,7 @@ pm_status pm__strata_create(const pm__emission *emission, size_t per_light, size
         pm__strata_free(strata);
         return PM_ENOMEM;
     }
-    for (size_t i = 0; i < lights; i++)
-        if (sent_by(emission, i) > 0.0)
-            add_light(emission, i, per_light, strata);
+    add_lights(emission, per_light, cut, strata);
     return PM_OK;
 }
 
@@ -98,6 +115,42 @@ void pm__strata_share(const pm__emission *emission, pm__strata *strata, const do
     }
 }
 
+static uint64_t common_divisor(uint64_t a, uint64_t b)
+{
+    while (b > 0) {
+        const uint64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* The sum of the first counts is that of their shares, rounded by a chance common to all. */
+uint64_t pm__strata_deal(const pm__emission *emission, pm__strata *strata, const double *shares)
+{
+    static const double golden = 0.6180339887498949; /* of a circle: what lies evenly after any number of steps */
+    double before = 0.0;
+    uint64_t dealt = 0;
+    for (size_t i = 0; i < strata->count; i++) {
+        before += shares[i];
+        strata->items[i].first = dealt;
+        dealt = (uint64_t)(before + strata->shift);
+    }
+    strata->sent = dealt;
+    strata->runs = dealt / RUN;
+    strata->stride = (uint64_t)(golden * (double)strata->runs) + 1;
+    while (common_divisor(strata->stride, strata->runs) > 1)
+        strata->stride++;
+    for (size_t i = 0; i < strata->count; i++) {
+        pm__stratum *const stratum = &strata->items[i];
+        const double light = pm__sum(pm__scene_light_at(emission->scene, stratum->light)->power);
+        const uint64_t end = i + 1 < strata->count ? stratum[1].first : dealt;
+        const double sent = shares[i] < 1.0 ? shares[i] : (double)(end - stratum->first);
+        stratum->factor = sent > 0.0 ? stratum->power / light / sent * (double)dealt : 0.0;
+    }
+    return dealt;
+}
+
 /* Its bits, the last first, behind a binary point. */
 static double van_der_corput(uint64_t number)
 {
@@ -110,10 +163,28 @@ static double van_der_corput(uint64_t number)
     return (double)(number >> 11) * 0x1p-53;
 }
 
+/* The last stratum whose photons begin at or before that at this place: what has none has the next one's beginning. */
+static size_t find_dealt(const pm__strata *strata, uint64_t number)
+{
+    const uint64_t run = number / RUN;
+    const uint64_t at = run < strata->runs ? run * strata->stride % strata->runs * RUN + number % RUN : number;
+    size_t low = 0, high = strata->count;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (strata->items[middle].first <= at)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 size_t pm__strata_find(const pm__strata *strata, uint64_t number)
 {
     if (number >= PM__MOST_TRACED)
         return (size_t)((number - PM__MOST_TRACED) / strata->tests);
+    if (strata->sent > 0)
+        return find_dealt(strata, number);
     const double sum = van_der_corput(number) + strata->shift, at = sum < 1.0 ? sum : sum - 1.0;
     size_t low = 0, high = strata->count - 1;
     while (low < high) {

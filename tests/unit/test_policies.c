@@ -8,7 +8,7 @@
 
 static const char *const all_policies[] = {
     "all", "percentage", "probability", "density", "density:constant=2000,accept=cosine", "emission",
-    "emission:form=printed", "emission:strays=keep,ratio=4", "emission:sets=two", "peter-pietrek", "emission+density",
+    "emission:form=printed", "emission:strays=keep,ratio=4", "peter-pietrek", "emission+density",
     "emission+probability"};
 enum { POLICIES = sizeof all_policies / sizeof *all_policies };
 
@@ -49,7 +49,7 @@ START_TEST(test_flux_is_kept)
             const bool of_room = kind < PM__MAP_KINDS;
             pm__stored_photons set = policed_store(of_room ? &room : &floor, exact[i],
                                                    of_room ? (pm__map_kind)kind : PM__GLOBAL_MAP, 20000, 1);
-            ck_assert_uint_gt(set.arrived, 1000);
+            ck_assert_uint_gt(set.arrived, 500);
             ck_assert(set.came[PM__IMPORTANT] > 0.0);
             ck_assert(of_room || set.came[PM__IMPORTANT] < 0.3 * set.came[PM__EVERYWHERE]);
             ck_assert_uint_le(set.count, set.arrived);
@@ -240,10 +240,7 @@ START_TEST(test_all_in_one_point)
         for (size_t i = 0; i < POLICIES; i++) {
             pm__stored_photons set = policed_store(&p, all_policies[i], PM__GLOBAL_MAP, 20000, 1);
             check_kept(&set, all_policies[i]);
-            /* Strata that send in proportions of their own are even to a photon, here one of 16 times the power. */
-            const bool graded = !strncmp(all_policies[i], "emission", 8) && !strpbrk(all_policies[i], "+") &&
-                                !strstr(all_policies[i], "sets=two") && !strstr(all_policies[i], "printed");
-            PM_CHECK_NEAR(set.came[0], both ? 6.006 : 6.0, graded ? 16.0 * 6.006 / 20000.0 : 1e-5);
+            PM_CHECK_NEAR(set.came[0], both ? 6.006 : 6.0, 1e-5);
             if (strstr(all_policies[i], "density") && !strstr(all_policies[i], "cosine"))
                 ck_assert_uint_le(set.count, 45);
             pm__stored_photons_free(&set);

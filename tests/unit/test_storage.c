@@ -137,7 +137,7 @@ START_TEST(lights_by_turns)
     pm__stage stage;
     pm__lights lights;
     double sum[2] = {0.0, 0.0}, square[2] = {0.0, 0.0};
-    PM_CHECK_OK(pm__spec_parse(&pm__scene_cases, "scene:maze", &spec, &error), error);
+    PM_CHECK_OK(pm__spec_parse(&pm__scene_cases, "scene:maze:rooms=8", &spec, &error), error);
     PM_CHECK_OK(pm__stage_open(&spec, NULL, 16, 16, &stage, &error), error);
     ck_assert_int_eq(pm__lights_choose(stage.scene, &stage.camera, 16, 16, 1, &lights), PM_OK);
     ck_assert_uint_eq(lights.count, pm__scene_light_count(stage.scene));

@@ -35,7 +35,7 @@ START_TEST(test_shares)
     double shares[2 * PER_LIGHT], all = 0.0;
     size_t counts[2 * PER_LIGHT] = {0};
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     ck_assert_uint_eq(strata.count, 32); /* 16 of each light */
     share_by_number(&emission, &strata, shares);
     for (size_t i = 0; i < strata.count; i++)
@@ -60,7 +60,7 @@ START_TEST(test_powers)
     pm__strata strata;
     double shares[2 * PER_LIGHT], all = 0.0, sent = 0.0, tried = 0.0;
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     for (size_t i = 0; i < strata.count; i++)
         all += shares[i] = 2.0 + (double)(i % 3);
     pm__strata_share(&emission, &strata, shares);
@@ -76,6 +76,48 @@ START_TEST(test_powers)
 }
 END_TEST
 
+/* Dealt out: each stratum the whole number below its share or above it, every number once, and with a share of 1 or
+ * more all of its power exactly: those below have it on average. The first of two lights is one stratum. */
+START_TEST(test_deal)
+{
+    enum { MOST = 2000 };
+    static const bool cut[2] = {false, true};
+    pm__scene *const scene = lamps();
+    for (uint32_t trial = 0; trial < 20; trial++) {
+        pm__emission emission;
+        pm__strata strata;
+        double shares[2 * PER_LIGHT], all = 0.0, sent[2 * PER_LIGHT] = {0.0};
+        size_t counts[2 * PER_LIGHT] = {0};
+        pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, trial, &emission);
+        ck_assert(pm__strata_create(&emission, PER_LIGHT, cut, 4, &strata) == PM_OK);
+        ck_assert_uint_eq(strata.count, 17);
+        ck_assert_uint_eq(strata.fine, 16);
+        ck_assert_uint_eq(strata.items[15].light, 1);
+        ck_assert_uint_eq(strata.items[16].light, 0);
+        for (size_t i = 0; i < strata.count; i++)
+            all += shares[i] = i % 5 == 1 ? 0.0 : i % 5 == 2 ? 0.3 : 1.0 + 7.7 * (double)i;
+        const uint64_t dealt = pm__strata_deal(&emission, &strata, shares);
+        ck_assert(fabs((double)dealt - all) < 1.0 && dealt < MOST);
+        for (uint64_t n = 0; n < dealt; n++) {
+            const size_t at = pm__strata_find(&strata, n);
+            const double light = pm__sum(pm__scene_light_at(scene, strata.items[at].light)->power);
+            counts[at]++;
+            sent[at] += strata.items[at].factor * light / (double)dealt;
+        }
+        for (size_t i = 0; i < strata.count; i++) {
+            const double power = strata.items[i].power;
+            ck_assert(fabs((double)counts[i] - shares[i]) < 1.0);
+            if (shares[i] >= 1.0)
+                PM_CHECK_NEAR(sent[i], power, 1e-12 * power);
+            else
+                PM_CHECK_NEAR(sent[i], counts[i] ? power / shares[i] : 0.0, 1e-12 * power);
+        }
+        pm__strata_free(&strata);
+    }
+    pm__scene_destroy(scene);
+}
+END_TEST
+
 /* A photon's numbers lie in its stratum, of trial ones in turn. */
 START_TEST(test_places)
 {
@@ -84,7 +126,7 @@ START_TEST(test_places)
     pm__strata strata;
     double shares[2 * PER_LIGHT];
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     share_by_number(&emission, &strata, shares);
     for (uint64_t n = 0; n < 2000; n++) {
         const uint64_t number = n % 2 ? PM__MOST_TRACED + n / 2 % (4 * strata.count) : n;
@@ -111,7 +153,7 @@ START_TEST(test_many_at_once)
     pm__batch b;
     memset(&b, 0, sizeof b);
     pm__emission_init(scene, NULL, PM__ALL_LIGHTS, 7, 1, &emission);
-    ck_assert(pm__strata_create(&emission, PER_LIGHT, 4, &strata) == PM_OK);
+    ck_assert(pm__strata_create(&emission, PER_LIGHT, NULL, 4, &strata) == PM_OK);
     share_by_number(&emission, &strata, shares);
     emission.strata = &strata;
     b.count = PM__BATCH;
@@ -132,4 +174,4 @@ START_TEST(test_many_at_once)
 }
 END_TEST
 
-PM_TEST_MAIN("strata", test_shares, test_powers, test_places, test_many_at_once)
+PM_TEST_MAIN("strata", test_shares, test_powers, test_deal, test_places, test_many_at_once)

@@ -1,6 +1,7 @@
 /* Sent as by emission, kept as by probability. */
 #include "../keep_probability.h"
 #include "../send_strata.h"
+#include "../strays.h"
 
 static const pm__param params[] = {PM__SETS_PARAMS, PM__PROBABILITY_PARAMS};
 
@@ -11,13 +12,13 @@ static pm_status begin(pm__storage *storage)
 
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
-    return pm__keep_but_strays(storage, arrivals, pm__keep_probability.keep, taken);
+    return pm__keep_but_strays(storage, arrivals, pm__keep_probability.keep, false, taken);
 }
 
 static pm_status end(pm__storage *storage, bool *unmet)
 {
     (void)unmet;
-    return pm__share_strays(storage);
+    return pm__place_strays(storage, false);
 }
 
 static void release(pm__storage *storage)
