@@ -2,6 +2,7 @@
  * taken by its key; its value follows, and whoever comes in between finds the same value by itself. */
 #include "cells.h"
 
+#include "cone.h"
 #include "vicinity.h"
 
 #include "../base/memory.h"
@@ -15,7 +16,7 @@
 
 enum { LARGE, SMALL, LEVELS };
 enum { LARGER = 8, PROBES = 8 };
-enum { STEPS = 3 };     /* cones of normals: 3 x 3 on each face of a cube */
+enum { STEPS = PM__CONE_STEPS };
 enum { KEY_BITS = 19, HALF = 1 << (KEY_BITS - 1) }; /* cells on each side of the middle that keys tell apart */
 
 /* Bits of no value. */
@@ -51,18 +52,10 @@ typedef struct asked {
 
 /* ---- Cells ------------------------------------------------------------------------------------- */
 
-static uint32_t step_of(float x)
-{
-    return x < -1.0f / STEPS ? 0 : x > 1.0f / STEPS ? 2 : 1;
-}
-
 static uint32_t cone_of(const float normal[3])
 {
-    int axis = fabsf(normal[1]) > fabsf(normal[0]) ? 1 : 0;
-    axis = fabsf(normal[2]) > fabsf(normal[axis]) ? 2 : axis;
-    const float scale = 1.0f / fabsf(normal[axis]);
-    const uint32_t u = step_of(normal[(axis + 1) % 3] * scale), v = step_of(normal[(axis + 2) % 3] * scale);
-    return ((uint32_t)(2 * axis + (normal[axis] < 0.0f)) * STEPS + u) * STEPS + v;
+    const pm__cone cone = pm__cone_at(normal);
+    return pm__cone_number(&cone);
 }
 
 static void middle_of(uint32_t cone, float normal[3])
