@@ -1,0 +1,107 @@
+/* Surface in plots, so large that about as many photons are required of one as power is shared out among: how many are
+ * stored in each, and what power waits there for them.
+ *
+ * A plot is what of the surfaces whose normals are of one class (cone.h) lies in a cell: a square along the two axes
+ * across that to which the class is nearest, and as deep as wide along the middle of the class. So a flat piece along
+ * axes that crosses a cell has the area of the square, and one whose normal is n that over the largest |n|. Squares
+ * come in sizes that double: a place is of the one of which from a quarter to all of M are required. Plots of different
+ * sizes know nothing of each other, nor do important places and others. */
+#ifndef PM_TRANSPORT_PLOTS_H
+#define PM_TRANSPORT_PLOTS_H
+
+#include "../photonmap.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+/* One line of the cache. */
+typedef struct pm__plot {
+    uint64_t key;            /* 0: there is none */
+    double waiting[3];       /* power of photons that are not stored */
+    float steepest[3];       /* direction of one that is stored: as steep as any, about */
+    float normal[3];         /* of the last whose power waits */
+    uint32_t stored;
+    _Atomic uint32_t takers; /* of its stored photons, those that are given what waits */
+} pm__plot;
+
+/* Plots of a share of all keys, to be worked on by one thread at a time: a table by key, open addressing. */
+typedef struct pm__plot_shard {
+    pm__plot *plots;
+    size_t count, size; /* size: of the table, a power of two */
+    double *light;      /* power of all that came there, by plot; NULL: nobody asks for it */
+} pm__plot_shard;
+
+enum { PM__PLOT_SHARD_BITS = 5, PM__PLOT_SHARDS = 1 << PM__PLOT_SHARD_BITS };
+enum { PM__PLOT_LEVELS = 16, PM__PLOT_USUAL = 8 };
+
+typedef struct pm__plots {
+    float low[3];                            /* m: a corner of the scene */
+    float per_edge[PM__PLOT_LEVELS];         /* 1/m */
+    float area[PM__PLOT_LEVELS];             /* m2: of a square */
+    int least, most;                         /* levels that are used */
+    float neighbors, usual;                  /* M; 1/m2 */
+    bool lit;                                /* light is asked for */
+    pm__plot_shard shards[PM__PLOT_SHARDS];
+} pm__plots;
+
+/* Where a photon comes to. */
+typedef struct pm__plot_place {
+    uint64_t key;
+    float wanted; /* photons required of a plot like this */
+    float area;   /* m2 of it */
+} pm__plot_place;
+
+/* neighbors: M; usual: 1/m2, a density that is required, > 0: of its plots half of M are; low: of a box of `across` m
+ * about all places. ENOMEM. */
+pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, const double low[3], double across,
+                         bool lit);
+void pm__plots_free(pm__plots *plots);
+
+/* required: 1/m2, > 0. Its area is that of a plot of this normal that is crossed all over. */
+pm__plot_place pm__plot_place_of(const pm__plots *plots, const float position[3], const float normal[3],
+                                 float required, bool important);
+
+enum { PM__PLOT_IMPORTANT_AT = 53 }; /* the key's bit */
+
+static inline bool pm__plot_is_important(uint64_t key)
+{
+    return key >> PM__PLOT_IMPORTANT_AT & 1;
+}
+
+/* All bits depend on all of the key's. */
+static inline uint64_t pm__plot_hash(uint64_t key)
+{
+    key *= 0x9e3779b97f4a7c15u;
+    key ^= key >> 32;
+    key *= 0xbf58476d1ce4e5b9u;
+    return key ^ key >> 29;
+}
+
+static inline size_t pm__plot_shard_of(uint64_t key)
+{
+    return (size_t)(pm__plot_hash(key) >> (64 - PM__PLOT_SHARD_BITS));
+}
+
+/* Fetches what the next two would look at. */
+static inline void pm__plot_prefetch(const pm__plot_shard *shard, uint64_t key)
+{
+    __builtin_prefetch(&shard->plots[pm__plot_hash(key) & (shard->size - 1)], 1);
+}
+
+/* That of the key, or a free one. */
+static inline pm__plot *pm__plot_find(const pm__plot_shard *shard, uint64_t key)
+{
+    size_t i = pm__plot_hash(key) & (shard->size - 1);
+    while (shard->plots[i].key && shard->plots[i].key != key)
+        i = (i + 1) & (shard->size - 1);
+    return &shard->plots[i];
+}
+
+/* Valid until the next is added. NULL: out of memory. */
+pm__plot *pm__plot_add(pm__plots *plots, size_t shard, uint64_t key);
+
+/* What the shard holds now, to be put back once; `to` is empty. ENOMEM. */
+pm_status pm__plot_shard_copy(const pm__plot_shard *shard, pm__plot_shard *to);
+void pm__plot_shard_free(pm__plot_shard *shard);
+
+#endif
