@@ -22,6 +22,7 @@ typedef struct pm__seeker {
     float wanted;                         /* photons, of the plot */
     uint32_t arrival : 31, is_stored : 1; /* in the batch; what is decided */
     float power[3], normal[3];
+    uint8_t at[2];                        /* in the plot's square */
 } pm__seeker;
 
 /* Arrivals that one thread prepares, or stores, at once; those of a batch, about. */

@@ -70,7 +70,7 @@ static void prepare_piece(void *argument, size_t piece)
     uint8_t shards[PM__DENSITY_PIECE];
     for (size_t i = 0; i < count; i++) {
         places[i] = place_of(d, first + i);
-        shards[i] = (uint8_t)pm__plot_shard_of(places[i].key);
+        shards[i] = (uint8_t)pm__plot_shard_of(&d->plots, places[i].key);
         ends[shards[i]] = (uint16_t)(ends[shards[i]] + !is_aside(d, first + i));
     }
     for (size_t s = 0; s < PM__PLOT_SHARDS; s++) {
@@ -86,6 +86,7 @@ static void prepare_piece(void *argument, size_t piece)
         pm__seeker *const to = &d->seekers[first + ends[shards[i]]++];
         to->key = places[i].key;
         to->wanted = places[i].wanted;
+        memcpy(to->at, places[i].at, sizeof to->at);
         to->arrival = (uint32_t)(first + i) & 0x7fffffff;
         memcpy(to->power, d->all->photons[at].power, sizeof to->power);
         memcpy(to->normal, d->all->normals[at], sizeof to->normal);
@@ -123,29 +124,39 @@ static bool is_by_chance(const pm__density *d, const pm__seeker *seeker, double 
 }
 
 /* light: power of all that came to the plot; NULL: not asked for. */
-static bool is_stored(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, const double *light)
+static bool is_stored(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, float wanted,
+                      const double *light)
 {
-    double s = (double)plot->stored / (double)seeker->wanted;
-    if (plot->stored == 0 || dot(plot->steepest, seeker->normal) >= 0.0f)
-        return true; /* nobody there to take its power */
+    double s = (double)plot->stored / (double)wanted;
+    if (!(dot(plot->steepest, seeker->normal) < 0.0f))
+        return true; /* nobody there, of that size, to take its power */
     if (light)
-        s *= criterion(d, seeker, *light);
+        s *= criterion(d, seeker, *light / (double)pm__plot_filled(plot));
     return d->rule.cosine ? is_by_chance(d, seeker, s) : s < 1.0;
 }
 
-static void store(const pm__density *d, const pm__seeker *seeker, pm__plot *plot)
+static pm_status store(pm__density *d, size_t shard, const pm__seeker *seeker, pm__plot *plot)
 {
-    const float *const direction = d->all->photons[d->begin + seeker->arrival].direction;
-    if (plot->stored == 0 || dot(direction, seeker->normal) < dot(plot->steepest, seeker->normal))
-        memcpy(plot->steepest, direction, sizeof plot->steepest);
+    const size_t at = d->begin + seeker->arrival;
+    const pm_photon *const photon = &d->all->photons[at];
+    if (dot(photon->direction, seeker->normal) < dot(plot->steepest, seeker->normal) || plot->stored == 0)
+        memcpy(plot->steepest, photon->direction, sizeof plot->steepest);
     plot->stored++;
+    const uint64_t beside =
+        d->rule.constant > 0.0 ? 0
+                               : pm__plot_beside(&d->plots, photon->position, seeker->normal,
+                                                 pm__density_at(&d->rule, d->all->importance[at]), d->all->part[at]);
+    pm__plot *const other = beside ? pm__plot_add(&d->plots, shard, beside) : plot;
+    if (!other)
+        return PM_ENOMEM;
+    other->stored += other != plot;
+    return PM_OK;
 }
 
 static void wait(const pm__seeker *seeker, pm__plot *plot)
 {
     for (int b = 0; b < 3; b++)
         plot->waiting[b] += (double)seeker->power[b];
-    memcpy(plot->normal, seeker->normal, sizeof plot->normal);
 }
 
 static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__density_tally *tally)
@@ -158,15 +169,16 @@ static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__de
     const pm__plot_shard *const own = &d->plots.shards[shard];
     double *const light = own->light ? &own->light[plot - own->plots] : NULL;
     const bool matters = !d->all->importance || pm__plot_is_important(seeker->key);
+    pm__plot_meet(plot, seeker->wanted, seeker->at);
+    const float wanted = pm__plot_wanted(plot);
     tally->arrived += matters;
-    tally->lacking += matters && (float)plot->stored < seeker->wanted;
-    seeker->is_stored = is_stored(d, seeker, plot, light);
-    if (seeker->is_stored)
-        store(d, seeker, plot);
-    else
-        wait(seeker, plot);
+    tally->lacking += matters && (float)plot->stored < wanted;
+    seeker->is_stored = is_stored(d, seeker, plot, wanted, light);
     if (light)
         *light += (double)seeker->power[0] + (double)seeker->power[1] + (double)seeker->power[2];
+    if (seeker->is_stored)
+        return store(d, shard, seeker, plot); /* plots may have moved */
+    wait(seeker, plot);
     return PM_OK;
 }
 

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -279,21 +280,21 @@ static pm_status begin(pm__storage *storage)
     if (d->rule.power && !config->global)
         return pm__fail(storage->error, PM_EINVAL, "the convergence of caustics needs a map of all light");
     const double mean = config->importance ? pm__importance_mean(config->importance, config->kind) : 0.0;
-    const double usual = (double)pm__density_at(&d->rule, (float)mean);
-    return pm__plots_init(&d->plots, d->rule.neighbors, usual, low, across, d->rule.power > 0);
+    const double usual = (double)pm__density_at(&d->rule, (float)mean), least = (double)pm__density_at(&d->rule, 0.0f);
+    return pm__plots_init(&d->plots, d->rule.neighbors, usual, least, low, across, d->rule.power > 0);
 }
 
 static const pm__plot *plot_of(const pm__density *d, size_t i)
 {
     const uint64_t key = d->keys[i - d->before];
-    return pm__plot_find(&d->plots.shards[pm__plot_shard_of(key)], key);
+    return pm__plot_find(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
 }
 
-/* Only what faces those whose power waits is given it. */
+/* Only what faces the plot is given of its power; one that faced each of those whose power waits is so anyway. */
 static bool takes(const pm__plot *plot, const pm_photon *photon)
 {
-    const float *const w = photon->direction, *const n = plot->normal;
-    return w[0] * n[0] + w[1] * n[1] + w[2] * n[2] < 0.0f;
+    return pm__plot_faces(plot->key, photon->direction) ||
+           !memcmp(photon->direction, plot->steepest, sizeof plot->steepest);
 }
 
 static size_t stock_end(const pm__density *d, size_t piece)
@@ -312,18 +313,14 @@ static void count_takers(void *argument, size_t piece)
     }
 }
 
-/* Where nobody is left who faces the last of those whose power waits, all take it. */
 static void hand_out(void *argument, size_t piece)
 {
     const pm__density *const d = argument;
     for (size_t i = d->before + piece * PM__DENSITY_PIECE; i < stock_end(d, piece); i++) {
         pm_photon *const photon = &d->storage->stock.photons[i];
         const pm__plot *const plot = plot_of(d, i);
-        const uint32_t takers = atomic_load_explicit(&plot->takers, memory_order_relaxed);
-        if (takers > 0 && !takes(plot, photon))
-            continue;
-        for (int b = 0; b < 3; b++)
-            photon->power[b] = (float)((double)photon->power[b] + plot->waiting[b] / (takers ? takers : plot->stored));
+        for (int b = 0; b < 3 && takes(plot, photon); b++)
+            photon->power[b] = (float)((double)photon->power[b] + plot->waiting[b] / plot->takers);
     }
 }
 

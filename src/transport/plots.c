@@ -17,22 +17,52 @@ _Static_assert(ACROSS_BITS + ACROSS_BITS + ALONG_BITS == PM__PLOT_IMPORTANT_AT, 
 
 enum { FIRST_SIZE = 64 };
 
-/* Of an edge: so that planes through the corner, or through multiples of an edge, are not cut by what is rounded. */
-static const float offset = 0.37f;
+/* Levels above the usual one that can share a shard: a square of the last holds some 40 photons. */
+enum { MOST_COMMON = 1 };
+
+/* In the middle of a level: required densities there are another's only by more than this factor. */
+static const float middle = 1.42f;
 
 /* Of the photons wanted: what is rounded shall not ask for one more. */
 static const float less = 1.0f - 1e-5f;
 
 /* ---- Places ------------------------------------------------------------------------------------- */
 
+static pm_status create_shards(pm__plots *plots)
+{
+    for (int i = 0; i < PM__PLOT_SHARDS; i++) {
+        pm__plot_shard *const shard = &plots->shards[i];
+        shard->plots = pm__alloc_zero(FIRST_SIZE, sizeof *shard->plots);
+        shard->light = plots->lit ? pm__alloc_zero(FIRST_SIZE, sizeof *shard->light) : NULL;
+        shard->size = FIRST_SIZE;
+        if (!shard->plots || (plots->lit && !shard->light))
+            return PM_ENOMEM;
+    }
+    return PM_OK;
+}
+
+/* From half of the usual density up to twice it the usual level, then one for each factor of four. fill: how much of
+ * the density in the middle of the level it is, in [1/2, 2) for levels that there are. */
+static int level_of(const pm__plots *plots, float required, float *fill)
+{
+    const float ratio = required / plots->usual;
+    uint32_t bits;
+    memcpy(&bits, &ratio, sizeof bits);
+    const int above = ((int)(bits >> 23) - 126) >> 1, level = PM__PLOT_USUAL - above;
+    bits -= (uint32_t)(2 * above) << 23;
+    memcpy(fill, &bits, sizeof *fill);
+    return level < plots->least ? plots->least : level > plots->most ? plots->most : level;
+}
+
 /* The level of the usual density is that in the middle; other levels only while cells can be told apart, and are no
- * larger than the scene. */
-pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, const double low[3], double across,
-                         bool lit)
+ * larger than the scene. A third of a square is off the lines of all levels, as of those through the corner. */
+pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3],
+                         double across, bool lit)
 {
     const double finest = across / MOST_CELLS;
     const double edge = fmax(finest, fmin(sqrt(0.5 * neighbors / usual), across));
-    *plots = (pm__plots){.neighbors = (float)neighbors, .usual = (float)usual, .lit = lit};
+    float fill;
+    *plots = (pm__plots){.usual = (float)usual, .lit = lit};
     plots->least = plots->most = PM__PLOT_USUAL;
     for (int a = 0; a < 3; a++)
         plots->low[a] = (float)low[a];
@@ -43,25 +73,11 @@ pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, const
         plots->least -= level < PM__PLOT_USUAL && own >= finest;
         plots->most += level > PM__PLOT_USUAL && own <= 2.0 * across;
     }
-    for (int i = 0; i < PM__PLOT_SHARDS; i++) {
-        pm__plot_shard *const shard = &plots->shards[i];
-        shard->plots = pm__alloc_zero(FIRST_SIZE, sizeof *shard->plots);
-        shard->light = lit ? pm__alloc_zero(FIRST_SIZE, sizeof *shard->light) : NULL;
-        shard->size = FIRST_SIZE;
-        if (!shard->plots || (lit && !shard->light))
-            return PM_ENOMEM;
-    }
-    return PM_OK;
-}
-
-/* From half of the usual density up to twice it the usual level, then one for each factor of four. */
-static int level_of(const pm__plots *plots, float required)
-{
-    const float ratio = required / plots->usual;
-    uint32_t bits;
-    memcpy(&bits, &ratio, sizeof bits);
-    const int exponent = (int)(bits >> 23) - 127, level = PM__PLOT_USUAL - ((exponent + 1) >> 1);
-    return level < plots->least ? plots->least : level > plots->most ? plots->most : level;
+    plots->common = level_of(plots, (float)least, &fill);
+    if (plots->common > PM__PLOT_USUAL + MOST_COMMON)
+        plots->common = PM__PLOT_USUAL + MOST_COMMON;
+    plots->offset = (float)(ldexp(edge, plots->common - PM__PLOT_USUAL) / 3.0);
+    return create_shards(plots);
 }
 
 /* What is rounded is in [0, most]. */
@@ -70,22 +86,72 @@ static uint64_t number_of(float x, float most)
     return (uint64_t)(int64_t)fmaxf(0.0f, fminf(x, most));
 }
 
+static pm__plot_place place_at(const pm__plots *plots, const float position[3], const pm__cone *cone, int level,
+                               bool important)
+{
+    static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
+    static const float most = 2.0f * MOST_CELLS - 1.0f;
+    const int u = (cone->axis + 1) % 3, v = (cone->axis + 2) % 3;
+    const float scale = plots->per_edge[level], offset = plots->offset * scale;
+    const float w = (position[cone->axis] - plots->low[cone->axis]) * scale;
+    const float x = (position[u] - plots->low[u]) * scale, y = (position[v] - plots->low[v]) * scale;
+    const float along = (cone->face & 1 ? -w : w) + slope[cone->u] * x + slope[cone->v] * y;
+    const float in[2] = {fmaxf(0.0f, fminf(x + offset, most)), fmaxf(0.0f, fminf(y + offset, most))};
+    const uint64_t cells[2] = {(uint64_t)(int64_t)in[0], (uint64_t)(int64_t)in[1]};
+    pm__plot_place place = {.area = plots->area[level]};
+    place.key = (uint64_t)level << CONE_BITS | (pm__cone_number(cone) + 1);
+    place.key = place.key << 1 | important;
+    for (int i = 0; i < 2; i++) {
+        place.key = place.key << ACROSS_BITS | cells[i];
+        place.at[i] = (uint8_t)(int)((in[i] - (float)cells[i]) * 256.0f);
+    }
+    place.key = place.key << ALONG_BITS | number_of(along + offset + (float)ALONG_HALF, 2.0f * ALONG_HALF - 1.0f);
+    return place;
+}
+
+/* By the square of the common level that it lies in, or its own if that is larger. */
+size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key)
+{
+    const uint64_t across = ((uint64_t)1 << ACROSS_BITS) - 1;
+    const int level = (int)(key >> (64 - LEVEL_BITS)), up = level < plots->common ? plots->common - level : 0;
+    const uint64_t x = (key >> (ACROSS_BITS + ALONG_BITS) & across) >> up, y = (key >> ALONG_BITS & across) >> up;
+    return (size_t)(pm__plot_hash(x << 32 | y << 8 | (key >> PM__PLOT_IMPORTANT_AT & 0x7e)) >>
+                    (64 - PM__PLOT_SHARD_BITS));
+}
+
 pm__plot_place pm__plot_place_of(const pm__plots *plots, const float position[3], const float normal[3],
                                  float required, bool important)
 {
-    static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
     const pm__cone cone = pm__cone_at(normal);
-    const int level = level_of(plots, required), u = (cone.axis + 1) % 3, v = (cone.axis + 2) % 3;
-    const float scale = plots->per_edge[level], area = plots->area[level] / fabsf(normal[cone.axis]);
-    const float w = (position[cone.axis] - plots->low[cone.axis]) * scale;
-    const float x = (position[u] - plots->low[u]) * scale, y = (position[v] - plots->low[v]) * scale;
-    const float along = (cone.face & 1 ? -w : w) + slope[cone.u] * x + slope[cone.v] * y;
-    uint64_t key = (uint64_t)level << CONE_BITS | (pm__cone_number(&cone) + 1);
-    key = key << 1 | important;
-    key = key << ACROSS_BITS | number_of(x + offset, 2.0f * MOST_CELLS - 1.0f);
-    key = key << ACROSS_BITS | number_of(y + offset, 2.0f * MOST_CELLS - 1.0f);
-    key = key << ALONG_BITS | number_of(along + offset + (float)ALONG_HALF, 2.0f * ALONG_HALF - 1.0f);
-    return (pm__plot_place){key, required * area * less, area};
+    float fill;
+    const int level = level_of(plots, required, &fill);
+    pm__plot_place place = place_at(plots, position, &cone, level, important);
+    place.area /= fabsf(normal[cone.axis]);
+    place.wanted = required * place.area * less;
+    return place;
+}
+
+/* Only in one of the same shard. */
+uint64_t pm__plot_beside(const pm__plots *plots, const float position[3], const float normal[3], float required,
+                         bool important)
+{
+    float fill;
+    const int level = level_of(plots, required, &fill), beside = fill > 1.0f ? level - 1 : level + 1;
+    if (beside < plots->least || beside > plots->common || level > plots->common ||
+        (fill < middle && fill * middle > 1.0f))
+        return 0;
+    const pm__cone cone = pm__cone_at(normal);
+    return place_at(plots, position, &cone, beside, important).key;
+}
+
+bool pm__plot_faces(uint64_t key, const float direction[3])
+{
+    static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
+    const uint32_t cone = (uint32_t)(key >> (PM__PLOT_IMPORTANT_AT + 1) & ((1 << CONE_BITS) - 1)) - 1;
+    const uint32_t face = cone / (PM__CONE_STEPS * PM__CONE_STEPS), axis = face / 2;
+    const float along = face & 1 ? -direction[axis] : direction[axis];
+    return along + slope[cone / PM__CONE_STEPS % PM__CONE_STEPS] * direction[(axis + 1) % 3] +
+               slope[cone % PM__CONE_STEPS] * direction[(axis + 2) % 3] < 0.0f;
 }
 
 /* ---- Tables ------------------------------------------------------------------------------------- */
@@ -118,8 +184,10 @@ pm__plot *pm__plot_add(pm__plots *plots, size_t number, uint64_t key)
     if (2 * (shard->count + 1) > shard->size && enlarge(shard))
         return NULL;
     pm__plot *const plot = pm__plot_find(shard, key);
-    shard->count += !plot->key;
-    plot->key = key;
+    if (!plot->key) {
+        shard->count++;
+        *plot = (pm__plot){.key = key, .box = {UINT8_MAX, 0, UINT8_MAX, 0}};
+    }
     return plot;
 }
 
