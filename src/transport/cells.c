@@ -25,6 +25,9 @@ enum { KEY_BITS = 19, HALF = 1 << (KEY_BITS - 1) }; /* cells on each side of the
  * that of a million cells any two are taken for one has a chance of 2e-6. */
 enum { VALUE_BITS = 28, CUT_BITS = 3 };
 
+/* Words of a line of the cache. */
+enum { LINE_BITS = 3, LINE = 1 << LINE_BITS };
+
 /* Something is near, and what could not be taken for it: the largest value. */
 static const uint32_t near_by = (1u << VALUE_BITS) - 2, largest = (255u << (VALUE_BITS - 8)) - 1;
 
@@ -48,8 +51,8 @@ struct pm__cells {
 typedef struct asked {
     float place[3];         /* map units */
     uint32_t cone;
-    uint64_t key[LEVELS];   /* of its cells; 0: too far off to be counted */
-    uint64_t mixed[LEVELS]; /* the same, well mixed */
+    int64_t cell[3];        /* small */
+    uint64_t mixed;         /* of the small cell's eight */
     bool is_any;            /* false: not finite, or nothing is near */
 } asked;
 
@@ -86,6 +89,18 @@ static uint64_t key_of(const int64_t cell[3], uint32_t cone)
     return outside ? 0 : key << 6 | cone;
 }
 
+/* Eight cells that make a cube have one line of the cache, since who asks for one asks for others of it. */
+static uint64_t cube_of(const int64_t cell[3], uint32_t cone)
+{
+    const int64_t cube[3] = {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1};
+    return key_of(cube, cone);
+}
+
+static uint32_t corner_of(const int64_t cell[3])
+{
+    return (uint32_t)((cell[0] & 1) << 2 | (cell[1] & 1) << 1 | (cell[2] & 1));
+}
+
 /* One for one: no two keys are mixed alike. */
 static uint64_t mix(uint64_t key)
 {
@@ -95,15 +110,16 @@ static uint64_t mix(uint64_t key)
     return key ^ key >> 29;
 }
 
-static size_t slot_of(const table *t, uint64_t mixed)
+/* Where the eight stand. */
+static size_t line_of(const table *t, uint64_t mixed)
 {
-    return (size_t)(mixed >> (64 - t->bits));
+    return (size_t)(mixed >> (64 - t->bits + LINE_BITS)) << LINE_BITS;
 }
 
 /* The bits behind those that say where it stands. */
 static uint64_t tag_of(const table *t, uint64_t mixed)
 {
-    return mixed << t->bits >> VALUE_BITS;
+    return mixed << (t->bits - LINE_BITS) >> VALUE_BITS;
 }
 
 /* ---- What they say ----------------------------------------------------------------------------- */
@@ -160,16 +176,22 @@ static uint32_t ask_cell(const pm__cells *cells, int level, uint64_t key)
     return ask_map(cells, level, middle, (uint32_t)(key & 63));
 }
 
+/* What the word says of the cell with this tag, less one. */
+static uint32_t code_in(uint64_t word)
+{
+    return (uint32_t)(word & ((1u << VALUE_BITS) - 1)) - 1;
+}
+
 /* Where the table has no room the cell is asked about each time. */
-static uint32_t look_up(pm__cells *cells, int level, const asked *point)
+static uint32_t look_up(pm__cells *cells, int level, const int64_t cell[3], const asked *point)
 {
     const table *const t = &cells->tables[level];
-    const uint64_t key = point->key[level], tag = tag_of(t, point->mixed[level]);
-    const size_t first = slot_of(t, point->mixed[level]), mask = ((size_t)1 << t->bits) - 1;
+    const uint64_t key = key_of(cell, point->cone), mixed = mix(cube_of(cell, point->cone)), tag = tag_of(t, mixed);
+    const size_t first = line_of(t, mixed) + corner_of(cell), mask = ((size_t)1 << t->bits) - 1;
     if (!key)
         return ask_map(cells, SMALL, point->place, point->cone);
     for (size_t i = 0; i < PROBES; i++) {
-        _Atomic uint64_t *const at = &t->slots[(first + i) & mask];
+        _Atomic uint64_t *const at = &t->slots[(first + i * LINE) & mask];
         uint64_t word = atomic_load_explicit(at, memory_order_relaxed);
         if (!word) {
             const uint64_t own = tag << VALUE_BITS | (ask_cell(cells, level, key) + 1);
@@ -177,30 +199,38 @@ static uint32_t look_up(pm__cells *cells, int level, const asked *point)
                 word = own;
         }
         if (word >> VALUE_BITS == tag)
-            return (uint32_t)(word & ((1u << VALUE_BITS) - 1)) - 1;
+            return code_in(word);
     }
     return ask_cell(cells, level, key);
 }
 
+/* Small cells are asked only where the large one has said that something is near: what is known of one is the answer. */
+static uint32_t answer(pm__cells *cells, const asked *point)
+{
+    const table *const t = &cells->tables[SMALL];
+    const size_t slot = line_of(t, point->mixed) + corner_of(point->cell);
+    const uint64_t word = atomic_load_explicit(&t->slots[slot], memory_order_relaxed);
+    int64_t large[3];
+    if (word && word >> VALUE_BITS == tag_of(t, point->mixed) && key_of(point->cell, point->cone))
+        return code_in(word);
+    for (int axis = 0; axis < 3; axis++)
+        large[axis] = point->cell[axis] >> LARGER_BITS;
+    const uint32_t code = look_up(cells, LARGE, large, point);
+    return code == near_by ? look_up(cells, SMALL, point->cell, point) : code;
+}
+
 /* ---- Points ------------------------------------------------------------------------------------ */
 
-/* Small cells are an eighth of large ones along each axis: one rounding tells both. */
-static void name_cells(const pm__cells *cells, asked *point)
+static void name_cell(const pm__cells *cells, asked *point)
 {
     static const double farthest = 0x1p40;
-    int64_t small[3], large[3];
+    const table *const t = &cells->tables[SMALL];
     for (int axis = 0; axis < 3; axis++) {
         const double at = (double)point->place[axis] * cells->per_size + farthest; /* above 0 the floor is cut off */
-        small[axis] = at >= 0.0 && at < 2.0 * farthest ? (int64_t)at - (int64_t)farthest : (int64_t)farthest;
-        large[axis] = small[axis] >> LARGER_BITS;
+        point->cell[axis] = at >= 0.0 && at < 2.0 * farthest ? (int64_t)at - (int64_t)farthest : (int64_t)farthest;
     }
-    point->key[LARGE] = key_of(large, point->cone);
-    point->key[SMALL] = key_of(small, point->cone);
-    for (int level = 0; level < LEVELS; level++) {
-        const table *const t = &cells->tables[level];
-        point->mixed[level] = mix(point->key[level]);
-        __builtin_prefetch(&t->slots[slot_of(t, point->mixed[level])]);
-    }
+    point->mixed = mix(cube_of(point->cell, point->cone));
+    __builtin_prefetch(&t->slots[line_of(t, point->mixed)]);
 }
 
 static asked ask(const pm__cells *cells, const float position[3], const float normal[3])
@@ -215,24 +245,20 @@ static asked ask(const pm__cells *cells, const float position[3], const float no
                    pm__vicinity_holds(&cells->vicinity, point.place);
     if (point.is_any) {
         point.cone = cone_of(normal);
-        name_cells(cells, &point);
+        name_cell(cells, &point);
     }
     return point;
 }
 
-/* Slots are fetched for all points before any is looked at. */
+/* Lines are fetched for all points before any is looked at. */
 void pm__cells_find(pm__cells *cells, const float (*positions)[3], const float (*normals)[3], size_t count,
                     float *values)
 {
     asked points[PM__CELLS_AT_ONCE];
     for (size_t i = 0; i < count; i++)
         points[i] = ask(cells, positions[i], normals[i]);
-    for (size_t i = 0; i < count; i++) {
-        uint32_t code = points[i].is_any ? look_up(cells, LARGE, &points[i]) : 0;
-        if (code == near_by)
-            code = look_up(cells, SMALL, &points[i]);
-        values[i] = value_of(code);
-    }
+    for (size_t i = 0; i < count; i++)
+        values[i] = value_of(points[i].is_any ? answer(cells, &points[i]) : 0);
 }
 
 /* ---- Creation ---------------------------------------------------------------------------------- */

@@ -8,10 +8,8 @@
 /* The rule, its parameters resolved. */
 typedef struct pm__density_rule {
     double neighbors;  /* M */
-    double constant;   /* 1/m2, or 0 */
-    double low, high;  /* 1/m2: importance is taken to be between */
-    double per_pixel;  /* photons */
-    double least;      /* 1/m2: no less is required */
+    float low, high;   /* 1/m2: required density is between, low > 0 */
+    float per_pixel;   /* photons */
     bool cosine;
     int power;         /* of the convergence of caustics; 0: off */
 } pm__density_rule;

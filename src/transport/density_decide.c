@@ -14,8 +14,8 @@ static const double pi = 3.14159265358979323846;
 
 float pm__density_at(const pm__density_rule *rule, float importance)
 {
-    const double there = fmax(rule->low, fmin((double)importance, rule->high));
-    return (float)fmax(rule->least, rule->constant > 0.0 ? rule->constant : rule->per_pixel * there);
+    const float there = rule->per_pixel * importance;
+    return there > rule->low ? there < rule->high ? there : rule->high : rule->low;
 }
 
 /* W/m2 of all light, all bands: the nearest 50 but for the farthest, over their disc. */
@@ -47,17 +47,17 @@ static bool is_aside(const pm__density *d, size_t i)
     return d->all->aside && d->all->aside[d->begin + i];
 }
 
-static pm__plot_place place_of(const pm__density *d, size_t i)
+static void place_all(pm__density *d, size_t first, size_t count, pm__plot_place *places)
 {
-    const size_t at = d->begin + i;
-    const float importance = d->all->importance ? d->all->importance[at] : 0.0f;
-    const pm__plot_place place =
-        pm__plot_place_of(&d->plots, d->all->photons[at].position, d->all->normals[at],
-                          pm__density_at(&d->rule, importance), d->all->part[at]);
-    if (d->global)
-        d->global[i] = (float)((double)place.area * global_at(d->storage->config->global,
-                                                              d->all->photons[at].position, d->all->normals[at]));
-    return place;
+    const size_t at = d->begin + first;
+    float required[PM__DENSITY_PIECE];
+    for (size_t i = 0; i < count; i++)
+        required[i] = pm__density_at(&d->rule, d->all->importance ? d->all->importance[at + i] : 0.0f);
+    pm__plots_place(&d->plots, d->all->photons + at, d->all->normals + at, required, d->all->part + at, count, places);
+    for (size_t i = 0; i < count && d->global; i++)
+        d->global[first + i] =
+            (float)((double)places[i].area * global_at(d->storage->config->global, d->all->photons[at + i].position,
+                                                       d->all->normals[at + i]));
 }
 
 static void prepare_piece(void *argument, size_t piece)
@@ -68,8 +68,8 @@ static void prepare_piece(void *argument, size_t piece)
     pm__plot_place places[PM__DENSITY_PIECE];
     uint16_t ends[PM__PLOT_SHARDS] = {0}, sum = 0;
     uint8_t shards[PM__DENSITY_PIECE];
+    place_all(d, first, count, places);
     for (size_t i = 0; i < count; i++) {
-        places[i] = place_of(d, first + i);
         shards[i] = (uint8_t)pm__plot_shard_of(&d->plots, places[i].key);
         ends[shards[i]] = (uint16_t)(ends[shards[i]] + !is_aside(d, first + i));
     }
@@ -124,10 +124,9 @@ static bool is_by_chance(const pm__density *d, const pm__seeker *seeker, double 
 }
 
 /* light: power of all that came to the plot; NULL: not asked for. */
-static bool is_stored(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, float wanted,
+static bool is_stored(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, double s,
                       const double *light)
 {
-    double s = (double)plot->stored / (double)wanted;
     if (!(dot(plot->steepest, seeker->normal) < 0.0f))
         return true; /* nobody there, of that size, to take its power */
     if (light)
@@ -143,7 +142,7 @@ static pm_status store(pm__density *d, size_t shard, const pm__seeker *seeker, p
         memcpy(plot->steepest, photon->direction, sizeof plot->steepest);
     plot->stored++;
     const uint64_t beside =
-        d->rule.constant > 0.0 ? 0
+        d->rule.low == d->rule.high ? 0
                                : pm__plot_beside(&d->plots, photon->position, seeker->normal,
                                                  pm__density_at(&d->rule, d->all->importance[at]), d->all->part[at]);
     pm__plot *const other = beside ? pm__plot_add(&d->plots, shard, beside) : plot;
@@ -170,10 +169,11 @@ static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__de
     double *const light = own->light ? &own->light[plot - own->plots] : NULL;
     const bool matters = !d->all->importance || pm__plot_is_important(seeker->key);
     pm__plot_meet(plot, seeker->wanted, seeker->at);
-    const float wanted = pm__plot_wanted(plot);
+    const bool asks = d->rule.cosine || light || !pm__plot_is_full(plot);
+    const double s = asks ? (double)plot->stored / (double)pm__plot_wanted(plot) : 1.0;
     tally->arrived += matters;
-    tally->lacking += matters && (float)plot->stored < wanted;
-    seeker->is_stored = is_stored(d, seeker, plot, wanted, light);
+    tally->lacking += matters && s < 1.0;
+    seeker->is_stored = is_stored(d, seeker, plot, s, light);
     if (light)
         *light += (double)seeker->power[0] + (double)seeker->power[1] + (double)seeker->power[2];
     if (seeker->is_stored)

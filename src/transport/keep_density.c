@@ -71,13 +71,15 @@ static pm__density_rule rule_of(const pm__storing_config *config, double across)
     const pm__spec *const policy = config->policy;
     const bool caustic = config->kind == PM__CAUSTIC_MAP;
     const double mean = config->importance ? pm__importance_mean(config->importance, config->kind) : 0.0;
-    const double neighbors = pm__spec_value(policy, "neighbors", 20.0);
+    const double neighbors = pm__spec_value(policy, "neighbors", 20.0), least = neighbors / (pi * across * across);
+    const double constant = pm__spec_value(policy, "constant", 0.0);
+    const double pixel = pm__spec_value(policy, caustic ? "caustic" : "global", 0.0);
+    const double low = constant > 0.0 ? constant : pixel * pm__spec_value(policy, "floor", 0.0) * mean;
+    const double high = constant > 0.0 ? constant : pixel * ceiling * mean;
     return (pm__density_rule){.neighbors = neighbors,
-                              .constant = pm__spec_value(policy, "constant", 0.0),
-                              .low = pm__spec_value(policy, "floor", 0.0) * mean,
-                              .high = ceiling * mean,
-                              .per_pixel = pm__spec_value(policy, caustic ? "caustic" : "global", 0.0),
-                              .least = neighbors / (pi * across * across),
+                              .low = (float)fmax(least, low),
+                              .high = (float)fmax(least, high),
+                              .per_pixel = (float)pixel,
                               .cosine = pm__spec_value(policy, "accept", 0.0) == 1.0,
                               .power = caustic ? (int)pm__spec_value(policy, "power", 0.0) : 0};
 }

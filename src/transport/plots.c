@@ -43,7 +43,7 @@ static pm_status create_shards(pm__plots *plots)
 
 /* From half of the usual density up to twice it the usual level, then one for each factor of four. fill: how much of
  * the density in the middle of the level it is, in [1/2, 2) for levels that there are. */
-static int level_of(const pm__plots *plots, float required, float *fill)
+static inline int level_of(const pm__plots *plots, float required, float *fill)
 {
     const float ratio = required / plots->usual;
     uint32_t bits;
@@ -80,13 +80,13 @@ pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, doubl
     return create_shards(plots);
 }
 
-/* What is rounded is in [0, most]. */
-static uint64_t number_of(float x, float most)
+/* In [0, most]. */
+static inline float bounded(float x, float most)
 {
-    return (uint64_t)(int64_t)fmaxf(0.0f, fminf(x, most));
+    return x > 0.0f ? x < most ? x : most : 0.0f;
 }
 
-static pm__plot_place place_at(const pm__plots *plots, const float position[3], const pm__cone *cone, int level,
+static inline pm__plot_place place_at(const pm__plots *plots, const float position[3], const pm__cone *cone, int level,
                                bool important)
 {
     static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
@@ -96,7 +96,7 @@ static pm__plot_place place_at(const pm__plots *plots, const float position[3], 
     const float w = (position[cone->axis] - plots->low[cone->axis]) * scale;
     const float x = (position[u] - plots->low[u]) * scale, y = (position[v] - plots->low[v]) * scale;
     const float along = (cone->face & 1 ? -w : w) + slope[cone->u] * x + slope[cone->v] * y;
-    const float in[2] = {fmaxf(0.0f, fminf(x + offset, most)), fmaxf(0.0f, fminf(y + offset, most))};
+    const float in[2] = {bounded(x + offset, most), bounded(y + offset, most)};
     const uint64_t cells[2] = {(uint64_t)(int64_t)in[0], (uint64_t)(int64_t)in[1]};
     pm__plot_place place = {.area = plots->area[level]};
     place.key = (uint64_t)level << CONE_BITS | (pm__cone_number(cone) + 1);
@@ -105,7 +105,8 @@ static pm__plot_place place_at(const pm__plots *plots, const float position[3], 
         place.key = place.key << ACROSS_BITS | cells[i];
         place.at[i] = (uint8_t)(int)((in[i] - (float)cells[i]) * 256.0f);
     }
-    place.key = place.key << ALONG_BITS | number_of(along + offset + (float)ALONG_HALF, 2.0f * ALONG_HALF - 1.0f);
+    place.key = place.key << ALONG_BITS |
+                (uint64_t)(int64_t)bounded(along + offset + (float)ALONG_HALF, 2.0f * ALONG_HALF - 1.0f);
     return place;
 }
 
@@ -119,16 +120,17 @@ size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key)
                     (64 - PM__PLOT_SHARD_BITS));
 }
 
-pm__plot_place pm__plot_place_of(const pm__plots *plots, const float position[3], const float normal[3],
-                                 float required, bool important)
+void pm__plots_place(const pm__plots *plots, const pm_photon *photons, const float (*normals)[3],
+                     const float *required, const unsigned char *important, size_t count, pm__plot_place *places)
 {
-    const pm__cone cone = pm__cone_at(normal);
-    float fill;
-    const int level = level_of(plots, required, &fill);
-    pm__plot_place place = place_at(plots, position, &cone, level, important);
-    place.area /= fabsf(normal[cone.axis]);
-    place.wanted = required * place.area * less;
-    return place;
+    for (size_t i = 0; i < count; i++) {
+        const pm__cone cone = pm__cone_at(normals[i]);
+        float fill;
+        const int level = level_of(plots, required[i], &fill);
+        places[i] = place_at(plots, photons[i].position, &cone, level, important[i]);
+        places[i].area /= fabsf(normals[i][cone.axis]);
+        places[i].wanted = required[i] * places[i].area * less;
+    }
 }
 
 /* Only in one of the same shard. */

@@ -67,9 +67,10 @@ pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, doubl
 size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key);
 void pm__plots_free(pm__plots *plots);
 
-/* required: 1/m2, > 0. Its area is that of a plot of this normal that is crossed all over. */
-pm__plot_place pm__plot_place_of(const pm__plots *plots, const float position[3], const float normal[3],
-                                 float required, bool important);
+/* Where photons come to. required: 1/m2, > 0; important: 0 or 1. Areas are those of plots of their normals that are
+ * crossed all over. */
+void pm__plots_place(const pm__plots *plots, const pm_photon *photons, const float (*normals)[3],
+                     const float *required, const unsigned char *important, size_t count, pm__plot_place *places);
 
 /* The key of the plot there of another size, the next that a photon is to be counted in; 0: in none. */
 uint64_t pm__plot_beside(const pm__plots *plots, const float position[3], const float normal[3], float required,
@@ -99,6 +100,12 @@ static inline float pm__plot_filled(const pm__plot *plot)
 static inline float pm__plot_wanted(const pm__plot *plot)
 {
     return plot->wanted / (float)plot->came * pm__plot_filled(plot);
+}
+
+/* Are there enough, whatever of it there is? */
+static inline bool pm__plot_is_full(const pm__plot *plot)
+{
+    return (float)plot->stored * (float)plot->came >= plot->wanted;
 }
 
 enum { PM__PLOT_IMPORTANT_AT = 53 }; /* the key's bit */
