@@ -49,11 +49,11 @@ struct pm__cells {
 
 /* A point that is asked about. */
 typedef struct asked {
-    float place[3];         /* map units */
+    uint64_t mixed;   /* of the eight small cells that its own is of */
+    uint32_t cell[3]; /* small; counted from HALF below the middle */
     uint32_t cone;
-    int64_t cell[3];        /* small */
-    uint64_t mixed;         /* of the small cell's eight */
-    bool is_any;            /* false: not finite, or nothing is near */
+    bool is_any;      /* false: not finite, or nothing is near */
+    bool is_far;      /* too far off to be counted */
 } asked;
 
 /* ---- Cells ------------------------------------------------------------------------------------- */
@@ -77,28 +77,22 @@ static void middle_of(uint32_t cone, float normal[3])
         normal[i] = (float)n[i];
 }
 
-/* The cell's number along each axis, from the middle. */
-static uint64_t key_of(const int64_t cell[3], uint32_t cone)
+/* Of the cell's numbers, which are from 0 on, below 2 HALF. */
+static inline uint64_t key_of(const uint32_t cell[3], uint32_t cone)
 {
-    uint64_t key = 1, outside = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        const uint64_t at = (uint64_t)(cell[axis] + HALF);
-        outside |= at >> KEY_BITS;
-        key = key << KEY_BITS | at;
-    }
-    return outside ? 0 : key << 6 | cone;
+    return ((((uint64_t)1 << KEY_BITS | cell[0]) << KEY_BITS | cell[1]) << KEY_BITS | cell[2]) << 6 | cone;
 }
 
 /* Eight cells that make a cube have one line of the cache, since who asks for one asks for others of it. */
-static uint64_t cube_of(const int64_t cell[3], uint32_t cone)
+static inline uint64_t cube_of(const uint32_t cell[3], uint32_t cone)
 {
-    const int64_t cube[3] = {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1};
+    const uint32_t cube[3] = {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1};
     return key_of(cube, cone);
 }
 
-static uint32_t corner_of(const int64_t cell[3])
+static inline uint32_t corner_of(const uint32_t cell[3])
 {
-    return (uint32_t)((cell[0] & 1) << 2 | (cell[1] & 1) << 1 | (cell[2] & 1));
+    return (cell[0] & 1) << 2 | (cell[1] & 1) << 1 | (cell[2] & 1);
 }
 
 /* One for one: no two keys are mixed alike. */
@@ -183,13 +177,11 @@ static uint32_t code_in(uint64_t word)
 }
 
 /* Where the table has no room the cell is asked about each time. */
-static uint32_t look_up(pm__cells *cells, int level, const int64_t cell[3], const asked *point)
+static uint32_t look_up(pm__cells *cells, int level, const uint32_t cell[3], uint32_t cone)
 {
     const table *const t = &cells->tables[level];
-    const uint64_t key = key_of(cell, point->cone), mixed = mix(cube_of(cell, point->cone)), tag = tag_of(t, mixed);
+    const uint64_t key = key_of(cell, cone), mixed = mix(cube_of(cell, cone)), tag = tag_of(t, mixed);
     const size_t first = line_of(t, mixed) + corner_of(cell), mask = ((size_t)1 << t->bits) - 1;
-    if (!key)
-        return ask_map(cells, SMALL, point->place, point->cone);
     for (size_t i = 0; i < PROBES; i++) {
         _Atomic uint64_t *const at = &t->slots[(first + i * LINE) & mask];
         uint64_t word = atomic_load_explicit(at, memory_order_relaxed);
@@ -204,49 +196,55 @@ static uint32_t look_up(pm__cells *cells, int level, const int64_t cell[3], cons
     return ask_cell(cells, level, key);
 }
 
-/* Small cells are asked only where the large one has said that something is near: what is known of one is the answer. */
+/* Small cells are asked only where the large one has said that something is near: what is known of one is the answer.
+ * Eight of them along each axis are a large one, counted from the same middle. */
 static uint32_t answer(pm__cells *cells, const asked *point)
 {
     const table *const t = &cells->tables[SMALL];
     const size_t slot = line_of(t, point->mixed) + corner_of(point->cell);
     const uint64_t word = atomic_load_explicit(&t->slots[slot], memory_order_relaxed);
-    int64_t large[3];
-    if (word && word >> VALUE_BITS == tag_of(t, point->mixed) && key_of(point->cell, point->cone))
+    uint32_t large[3];
+    if (word && word >> VALUE_BITS == tag_of(t, point->mixed))
         return code_in(word);
     for (int axis = 0; axis < 3; axis++)
-        large[axis] = point->cell[axis] >> LARGER_BITS;
-    const uint32_t code = look_up(cells, LARGE, large, point);
-    return code == near_by ? look_up(cells, SMALL, point->cell, point) : code;
+        large[axis] = (point->cell[axis] >> LARGER_BITS) + HALF - (HALF >> LARGER_BITS);
+    const uint32_t code = look_up(cells, LARGE, large, point->cone);
+    return code == near_by ? look_up(cells, SMALL, point->cell, point->cone) : code;
+}
+
+/* Far off each place is asked about for itself. */
+static uint32_t answer_far(pm__cells *cells, const float position[3], uint32_t cone)
+{
+    float place[3];
+    for (int axis = 0; axis < 3; axis++)
+        place[axis] = pm__in_frame(cells->map, axis, position[axis]);
+    return ask_map(cells, SMALL, place, cone);
 }
 
 /* ---- Points ------------------------------------------------------------------------------------ */
 
-static void name_cell(const pm__cells *cells, asked *point)
+static inline asked ask(const pm__cells *cells, const float position[3], const float normal[3])
 {
-    static const double farthest = 0x1p40;
     const table *const t = &cells->tables[SMALL];
-    for (int axis = 0; axis < 3; axis++) {
-        const double at = (double)point->place[axis] * cells->per_size + farthest; /* above 0 the floor is cut off */
-        point->cell[axis] = at >= 0.0 && at < 2.0 * farthest ? (int64_t)at - (int64_t)farthest : (int64_t)farthest;
-    }
-    point->mixed = mix(cube_of(point->cell, point->cone));
-    __builtin_prefetch(&t->slots[line_of(t, point->mixed)]);
-}
-
-static asked ask(const pm__cells *cells, const float position[3], const float normal[3])
-{
-    asked point;
-    float sum = 0.0f;
+    asked point = {.is_far = false};
+    float place[3], sum = 0.0f;
     for (int i = 0; i < 3; i++) {
-        point.place[i] = pm__in_frame(cells->map, i, position[i]);
+        place[i] = pm__in_frame(cells->map, i, position[i]);
         sum += fabsf(normal[i]);
     }
     point.is_any = sum > 0.0f && sum < INFINITY && isfinite(position[0] + position[1] + position[2]) &&
-                   pm__vicinity_holds(&cells->vicinity, point.place);
-    if (point.is_any) {
-        point.cone = cone_of(normal);
-        name_cell(cells, &point);
+                   pm__vicinity_holds(&cells->vicinity, place);
+    if (!point.is_any)
+        return point;
+    point.cone = cone_of(normal);
+    for (int i = 0; i < 3; i++) {
+        const double at = (double)place[i] * cells->per_size + HALF; /* above 0 what is cut off is the floor */
+        const bool is_in = at >= 0.0 && at < 2.0 * HALF;
+        point.is_far |= !is_in;
+        point.cell[i] = is_in ? (uint32_t)(int32_t)at : 0;
     }
+    point.mixed = mix(cube_of(point.cell, point.cone));
+    __builtin_prefetch(&t->slots[line_of(t, point.mixed)]);
     return point;
 }
 
@@ -257,8 +255,12 @@ void pm__cells_find(pm__cells *cells, const float (*positions)[3], const float (
     asked points[PM__CELLS_AT_ONCE];
     for (size_t i = 0; i < count; i++)
         points[i] = ask(cells, positions[i], normals[i]);
-    for (size_t i = 0; i < count; i++)
-        values[i] = value_of(points[i].is_any ? answer(cells, &points[i]) : 0);
+    for (size_t i = 0; i < count; i++) {
+        const asked *const point = &points[i];
+        values[i] = value_of(!point->is_any ? 0
+                             : point->is_far ? answer_far(cells, positions[i], point->cone)
+                                             : answer(cells, point));
+    }
 }
 
 /* ---- Creation ---------------------------------------------------------------------------------- */

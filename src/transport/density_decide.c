@@ -51,6 +51,7 @@ static void place_all(pm__density *d, size_t first, size_t count, pm__plot_place
 {
     const size_t at = d->begin + first;
     float required[PM__DENSITY_PIECE];
+    required[0] = d->rule.low;
     for (size_t i = 0; i < count; i++)
         required[i] = pm__density_at(&d->rule, d->all->importance ? d->all->importance[at + i] : 0.0f);
     pm__plots_place(&d->plots, d->all->photons + at, d->all->normals + at, required, d->all->part + at, count, places);
@@ -182,16 +183,24 @@ static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__de
     return PM_OK;
 }
 
+/* Fetched while those before them are decided. */
+enum { AHEAD = 12 };
+
+static void fetch_run(const pm__density *d, size_t piece, size_t shard)
+{
+    const pm__density_runs *const runs = &d->runs[piece];
+    const pm__seeker *const seekers = d->seekers + piece * PM__DENSITY_PIECE;
+    for (size_t i = runs->begin[shard]; i < runs->begin[shard + 1] && i < runs->begin[shard] + (size_t)AHEAD; i++)
+        pm__plot_prefetch(&d->plots.shards[shard], seekers[i].key);
+}
+
 static pm_status decide_run(pm__density *d, size_t piece, size_t shard, pm__density_tally *tally)
 {
-    enum { AHEAD = 12 };
     pm__density_runs *const runs = &d->runs[piece];
     pm__seeker *const seekers = d->seekers + piece * PM__DENSITY_PIECE;
     const size_t begin = runs->begin[shard], end = runs->begin[shard + 1];
     uint16_t stored = 0;
     pm_status status = PM_OK;
-    for (size_t i = begin; i < end && i < begin + AHEAD; i++)
-        pm__plot_prefetch(&d->plots.shards[shard], seekers[i].key);
     for (size_t i = begin; i < end && status == PM_OK && seekers[i].arrival < d->count; i++) {
         if (i + AHEAD < end)
             pm__plot_prefetch(&d->plots.shards[shard], seekers[i + AHEAD].key);
@@ -206,9 +215,13 @@ static void decide_shard(void *argument, size_t shard)
 {
     pm__density *const d = argument;
     pm__density_tally tally = {0, 0};
-    for (size_t piece = 0; piece < pm__density_pieces(d->count); piece++)
+    const size_t pieces = pm__density_pieces(d->count);
+    for (size_t piece = 0; piece < pieces; piece++) {
+        if (piece + 1 < pieces)
+            fetch_run(d, piece + 1, shard);
         if (decide_run(d, piece, shard, &tally))
             d->status = PM_ENOMEM;
+    }
     d->tallies[shard] = tally;
 }
 
