@@ -286,7 +286,7 @@ static pm_status begin(pm__storage *storage)
     return pm__plots_init(&d->plots, d->rule.neighbors, usual, least, low, across, d->rule.power > 0);
 }
 
-static const pm__plot *plot_of(const pm__density *d, size_t i)
+static pm__plot *plot_of(const pm__density *d, size_t i)
 {
     const uint64_t key = d->keys[i - d->before];
     return pm__plot_find(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
@@ -305,11 +305,22 @@ static size_t stock_end(const pm__density *d, size_t piece)
     return end < d->storage->stock.count ? end : d->storage->stock.count;
 }
 
+/* Photon i's plot; fetches that of one to come. */
+static pm__plot *visit(const pm__density *d, size_t i, size_t end)
+{
+    enum { AHEAD = 16 };
+    if (i + AHEAD < end) {
+        const uint64_t key = d->keys[i + AHEAD - d->before];
+        pm__plot_prefetch(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
+    }
+    return plot_of(d, i);
+}
+
 static void count_takers(void *argument, size_t piece)
 {
     const pm__density *const d = argument;
-    for (size_t i = d->before + piece * PM__DENSITY_PIECE; i < stock_end(d, piece); i++) {
-        pm__plot *const plot = (pm__plot *)(uintptr_t)plot_of(d, i);
+    for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
+        pm__plot *const plot = visit(d, i, end);
         if (takes(plot, &d->storage->stock.photons[i]))
             atomic_fetch_add_explicit(&plot->takers, 1, memory_order_relaxed);
     }
@@ -318,9 +329,9 @@ static void count_takers(void *argument, size_t piece)
 static void hand_out(void *argument, size_t piece)
 {
     const pm__density *const d = argument;
-    for (size_t i = d->before + piece * PM__DENSITY_PIECE; i < stock_end(d, piece); i++) {
+    for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
         pm_photon *const photon = &d->storage->stock.photons[i];
-        const pm__plot *const plot = plot_of(d, i);
+        const pm__plot *const plot = visit(d, i, end);
         for (int b = 0; b < 3 && takes(plot, photon); b++)
             photon->power[b] = (float)((double)photon->power[b] + plot->waiting[b] / plot->takers);
     }
