@@ -4,10 +4,10 @@
  * A plot is what of the surfaces whose normals are of one class (cone.h) lies in a cell: a square along the two axes
  * across that to which the class is nearest, and as deep as wide along the middle of the class. So a flat piece along
  * axes that crosses a cell has the area of the square, and one whose normal is n that over the largest |n|. Squares
- * come in sizes that double, four to the next: a place is of the one of which from a quarter to all of M are required. A
- * photon is also counted in the next size that it is nearer to: so it is in all that its neighbours look at, whose
- * required densities are about its own, unless that is in the middle of a size. Where these jump those on either side do not see each other. Power is not
- * shared across sizes, nor between important places and others. */
+ * come in sizes that double, four to the next: a place is of the one of which from a quarter to all of M are required.
+ * A photon is also counted in the next size that it is nearer to: so it is in all that its neighbours look at, whose
+ * required densities are about its own, unless that is in the middle of a size. Where these jump those on either side
+ * do not see each other. Power is not shared across sizes, nor between important places and others. */
 #ifndef PM_TRANSPORT_PLOTS_H
 #define PM_TRANSPORT_PLOTS_H
 
@@ -44,7 +44,7 @@ typedef struct pm__plots {
     float area[PM__PLOT_LEVELS];             /* m2: of a square */
     float offset;                            /* m: of all squares */
     int least, most;                         /* levels that are used */
-    int common;                              /* plots in one square of this level have one shard; coarser ones' another */
+    int common;                              /* plots in one square of this level are of one shard */
     float usual;                             /* 1/m2 */
     bool lit;                                /* light is asked for */
     pm__plot_shard shards[PM__PLOT_SHARDS];
@@ -58,8 +58,8 @@ typedef struct pm__plot_place {
     uint8_t at[2]; /* in the square, 256ths of its edge */
 } pm__plot_place;
 
-/* neighbors: M; usual: 1/m2, a density that is required, > 0: of its plots half of M are; least: the least that is; low:
- * of a box of `across` m about all places. ENOMEM. */
+/* neighbors: M; usual: 1/m2, a density that is required, > 0: of its plots half of M are; least: the least that is;
+ * low: of a box of `across` m about all places. ENOMEM. */
 pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3],
                          double across, bool lit);
 
@@ -92,7 +92,8 @@ static inline void pm__plot_meet(pm__plot *plot, float wanted, const uint8_t at[
 static inline float pm__plot_filled(const pm__plot *plot)
 {
     const float n = (float)plot->came, part = (n + 1.0f) / (256.0f * (n - 1.0f));
-    const float u = (float)(plot->box[1] - plot->box[0] + 1) * part, v = (float)(plot->box[3] - plot->box[2] + 1) * part;
+    const float u = (float)(plot->box[1] - plot->box[0] + 1) * part;
+    const float v = (float)(plot->box[3] - plot->box[2] + 1) * part;
     return plot->came > 1 ? (u < 1.0f ? u : 1.0f) * (v < 1.0f ? v : 1.0f) : 1.0f;
 }
 
