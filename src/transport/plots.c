@@ -21,7 +21,7 @@ enum { FIRST_SIZE = 64 };
 enum { MOST_COMMON = 1 };
 
 /* In the middle of a level: required densities there are another's only by more than this factor. */
-static const float middle = 1.42f;
+static const float middle = 1.2f;
 
 /* Of the photons wanted: what is rounded shall not ask for one more. */
 static const float less = 1.0f - 1e-5f;
@@ -86,7 +86,7 @@ static inline float bounded(float x, float most)
     return x > 0.0f ? x < most ? x : most : 0.0f;
 }
 
-static inline pm__plot_place place_at(const pm__plots *plots, const float position[3], const pm__cone *cone, int level,
+static inline __attribute__((always_inline)) pm__plot_place place_at(const pm__plots *plots, const float position[3], const pm__cone *cone, int level,
                                bool important)
 {
     static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
