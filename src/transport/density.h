@@ -24,7 +24,7 @@ typedef struct pm__seeker {
 } pm__seeker;
 
 /* Arrivals that one thread prepares, or stores, at once; those of a batch, about. */
-enum { PM__DENSITY_PIECE = 1024, PM__DENSITY_BATCH = 64 * PM__DENSITY_PIECE };
+enum { PM__DENSITY_PIECE = 1024, PM__DENSITY_BATCH = 128 * PM__DENSITY_PIECE };
 
 /* What became of a batch's arrivals in important places: how many, and how many found less than is required. */
 typedef struct pm__density_tally {
