@@ -86,8 +86,8 @@ static inline float bounded(float x, float most)
     return x > 0.0f ? x < most ? x : most : 0.0f;
 }
 
-static inline __attribute__((always_inline)) pm__plot_place place_at(const pm__plots *plots, const float position[3], const pm__cone *cone, int level,
-                               bool important)
+static inline __attribute__((always_inline)) pm__plot_place place_at(const pm__plots *plots, const float position[3],
+                                                                     const pm__cone *cone, int level, bool important)
 {
     static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
     static const float most = 2.0f * MOST_CELLS - 1.0f;
