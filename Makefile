@@ -156,11 +156,8 @@ $(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_
     -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 -mpopcnt
 endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
-ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
-$(BUILD)/obj/src/transport/crowd_avx2.o: PM_EXTRA += -O3 -mavx2 -mbmi -mbmi2 -mpopcnt
-$(BUILD)/obj/src/transport/crowd_avx512.o: PM_EXTRA += -O3 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mbmi -mbmi2 \
-    -mpopcnt
-endif
+# Looked into once for every photon that is stored or is not.
+$(patsubst %,$(BUILD)/obj/src/transport/%.o,cells plots density_decide): PM_EXTRA += -O3
 BATCHES = $(patsubst %,$(BUILD)/obj/src/scene/batch_%.o,plain avx2 avx512)
 # Loops are to become SIMD (where clang cannot, it need not say so); nobody looks at floating-point exceptions.
 $(BATCHES): PM_EXTRA += -O3 -fopenmp-simd -fno-trapping-math -Wno-pass-failed

@@ -1,7 +1,9 @@
 /* Two tables: of large cells, which say what they say or that something is near; then small ones are asked. A slot is
- * taken by its key; its value follows, and whoever comes in between finds the same value by itself. */
+ * one word, a part of the cell's mixed key that with its place says which it is, and the value: whoever finds none puts
+ * in the same. */
 #include "cells.h"
 
+#include "cone.h"
 #include "vicinity.h"
 
 #include "../base/memory.h"
@@ -14,22 +16,25 @@
 #include <string.h>
 
 enum { LARGE, SMALL, LEVELS };
-enum { LARGER = 8, PROBES = 8 };
-enum { STEPS = 3 };     /* cones of normals: 3 x 3 on each face of a cube */
+enum { LARGER_BITS = 3, LARGER = 1 << LARGER_BITS, PROBES = 8 };
+enum { STEPS = PM__CONE_STEPS };
 enum { KEY_BITS = 19, HALF = 1 << (KEY_BITS - 1) }; /* cells on each side of the middle that keys tell apart */
 
-/* Bits of no value. */
-static const uint32_t unknown = UINT32_MAX, near_by = UINT32_MAX - 1;
+/* Of a word: a tag of the cell, then its value and one, so that no word in use is 0. Values are floats without sign and
+ * without the last bits of their mantissa, right to 2.4e-7. Place and tag together are 58 bits of the largest table:
+ * that of a million cells any two are taken for one has a chance of 2e-6. */
+enum { VALUE_BITS = 28, CUT_BITS = 3 };
 
-typedef struct slot {
-    _Atomic uint64_t key; /* 0: free */
-    _Atomic uint32_t bits;
-} slot;
+/* Words of a line of the cache. */
+enum { LINE_BITS = 3, LINE = 1 << LINE_BITS };
+
+/* Something is near, and what could not be taken for it: the largest value. */
+static const uint32_t near_by = (1u << VALUE_BITS) - 2, largest = (255u << (VALUE_BITS - 8)) - 1;
 
 typedef struct table {
-    double size, per_size; /* map units */
-    size_t mask;           /* slots - 1 */
-    slot *slots;
+    double size;     /* map units */
+    int bits;        /* 2^bits slots */
+    _Atomic uint64_t *slots;
 } table;
 
 struct pm__cells {
@@ -38,31 +43,25 @@ struct pm__cells {
     const void *context;
     float reach2;          /* map units squared */
     pm__vicinity vicinity; /* where anything is within it */
+    double per_size;       /* of small cells */
     table tables[LEVELS];
 };
 
 /* A point that is asked about. */
 typedef struct asked {
-    float place[3];       /* map units */
+    uint64_t mixed;   /* of the eight small cells that its own is of */
+    uint32_t cell[3]; /* small; counted from HALF below the middle */
     uint32_t cone;
-    uint64_t key[LEVELS]; /* of its cells; 0: too far off to be counted */
-    bool is_any;          /* false: not finite, or nothing is near */
+    bool is_any;      /* false: not finite, or nothing is near */
+    bool is_far;      /* too far off to be counted */
 } asked;
 
 /* ---- Cells ------------------------------------------------------------------------------------- */
 
-static uint32_t step_of(float x)
-{
-    return x < -1.0f / STEPS ? 0 : x > 1.0f / STEPS ? 2 : 1;
-}
-
 static uint32_t cone_of(const float normal[3])
 {
-    int axis = fabsf(normal[1]) > fabsf(normal[0]) ? 1 : 0;
-    axis = fabsf(normal[2]) > fabsf(normal[axis]) ? 2 : axis;
-    const float scale = 1.0f / fabsf(normal[axis]);
-    const uint32_t u = step_of(normal[(axis + 1) % 3] * scale), v = step_of(normal[(axis + 2) % 3] * scale);
-    return ((uint32_t)(2 * axis + (normal[axis] < 0.0f)) * STEPS + u) * STEPS + v;
+    const pm__cone cone = pm__cone_at(normal);
+    return pm__cone_number(&cone);
 }
 
 static void middle_of(uint32_t cone, float normal[3])
@@ -78,22 +77,43 @@ static void middle_of(uint32_t cone, float normal[3])
         normal[i] = (float)n[i];
 }
 
-static uint64_t key_of(const table *t, const float place[3], uint32_t cone)
+/* Of the cell's numbers, which are from 0 on, below 2 HALF. */
+static inline uint64_t key_of(const uint32_t cell[3], uint32_t cone)
 {
-    uint64_t key = 1;
-    for (int axis = 0; axis < 3; axis++) {
-        const double at = (double)place[axis] * t->per_size + HALF; /* above 0 what is cut off is the floor */
-        if (!(at >= 0.0 && at < 2.0 * HALF))
-            return 0;
-        key = key << KEY_BITS | (uint64_t)at;
-    }
-    return key << 6 | cone;
+    return ((((uint64_t)1 << KEY_BITS | cell[0]) << KEY_BITS | cell[1]) << KEY_BITS | cell[2]) << 6 | cone;
 }
 
-static size_t slot_of(uint64_t key)
+/* Eight cells that make a cube have one line of the cache, since who asks for one asks for others of it. */
+static inline uint64_t cube_of(const uint32_t cell[3], uint32_t cone)
 {
-    const uint64_t hash = key * 0x9e3779b97f4a7c15u;
-    return (size_t)(hash ^ hash >> 29);
+    const uint32_t cube[3] = {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1};
+    return key_of(cube, cone);
+}
+
+static inline uint32_t corner_of(const uint32_t cell[3])
+{
+    return (cell[0] & 1) << 2 | (cell[1] & 1) << 1 | (cell[2] & 1);
+}
+
+/* One for one: no two keys are mixed alike. */
+static uint64_t mix(uint64_t key)
+{
+    key *= 0x9e3779b97f4a7c15u;
+    key ^= key >> 32;
+    key *= 0xbf58476d1ce4e5b9u;
+    return key ^ key >> 29;
+}
+
+/* Where the eight stand. */
+static size_t line_of(const table *t, uint64_t mixed)
+{
+    return (size_t)(mixed >> (64 - t->bits + LINE_BITS)) << LINE_BITS;
+}
+
+/* The bits behind those that say where it stands. */
+static uint64_t tag_of(const table *t, uint64_t mixed)
+{
+    return mixed << (t->bits - LINE_BITS) >> VALUE_BITS;
 }
 
 /* ---- What they say ----------------------------------------------------------------------------- */
@@ -108,11 +128,21 @@ static bool search(const pm__cells *cells, const float place[3], const float nor
     return pm__run_search(cells->map, cells->map->search, &query, found, 1) > 0;
 }
 
-static uint32_t bits_of(float value)
+/* Rounded to what a word holds. */
+static uint32_t code_of(float value)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    return bits;
+    const uint32_t rounded = (bits + (1u << (CUT_BITS - 1))) >> CUT_BITS;
+    return rounded < largest ? rounded : largest;
+}
+
+static float value_of(uint32_t code)
+{
+    const uint32_t bits = code << CUT_BITS;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
 }
 
 /* Of a cell, or of a place for itself. Large cells far from all photons speak for themselves. */
@@ -127,7 +157,7 @@ static uint32_t ask_map(const pm__cells *cells, int level, const float place[3],
     if (!search(cells, place, normal, cells->reach2, &found))
         return 0;
     const double off = sqrt((double)found.distance2) - 0.5 * sqrt(3.0) * cells->tables[level].size;
-    return bits_of(cells->value(cells->context, found.number, fmax(0.0, off) * pm_map_unit(cells->map)));
+    return code_of(cells->value(cells->context, found.number, fmax(0.0, off) * pm_map_unit(cells->map)));
 }
 
 static uint32_t ask_cell(const pm__cells *cells, int level, uint64_t key)
@@ -140,56 +170,85 @@ static uint32_t ask_cell(const pm__cells *cells, int level, uint64_t key)
     return ask_map(cells, level, middle, (uint32_t)(key & 63));
 }
 
+/* What the word says of the cell with this tag, less one. */
+static uint32_t code_in(uint64_t word)
+{
+    return (uint32_t)(word & ((1u << VALUE_BITS) - 1)) - 1;
+}
+
 /* Where the table has no room the cell is asked about each time. */
-static uint32_t look_up(pm__cells *cells, int level, const asked *point)
+static uint32_t look_up(pm__cells *cells, int level, const uint32_t cell[3], uint32_t cone)
 {
     const table *const t = &cells->tables[level];
-    const uint64_t key = point->key[level];
-    const size_t first = slot_of(key);
-    if (!key)
-        return ask_map(cells, SMALL, point->place, point->cone);
+    const uint64_t key = key_of(cell, cone), mixed = mix(cube_of(cell, cone)), tag = tag_of(t, mixed);
+    const size_t first = line_of(t, mixed) + corner_of(cell), mask = ((size_t)1 << t->bits) - 1;
     for (size_t i = 0; i < PROBES; i++) {
-        slot *const at = &t->slots[(first + i) & t->mask];
-        uint64_t there = atomic_load_explicit(&at->key, memory_order_acquire);
-        if (!there && atomic_compare_exchange_strong_explicit(&at->key, &there, key, memory_order_acq_rel,
-                                                              memory_order_acquire))
-            there = key;
-        if (there != key)
-            continue;
-        uint32_t bits = atomic_load_explicit(&at->bits, memory_order_relaxed);
-        if (bits == unknown) {
-            bits = ask_cell(cells, level, key);
-            atomic_store_explicit(&at->bits, bits, memory_order_relaxed);
+        _Atomic uint64_t *const at = &t->slots[(first + i * LINE) & mask];
+        uint64_t word = atomic_load_explicit(at, memory_order_relaxed);
+        if (!word) {
+            const uint64_t own = tag << VALUE_BITS | (ask_cell(cells, level, key) + 1);
+            if (atomic_compare_exchange_strong_explicit(at, &word, own, memory_order_relaxed, memory_order_relaxed))
+                word = own;
         }
-        return bits;
+        if (word >> VALUE_BITS == tag)
+            return code_in(word);
     }
     return ask_cell(cells, level, key);
 }
 
+/* Small cells are asked only where the large one has said that something is near: what is known of one is the answer.
+ * Eight of them along each axis are a large one, counted from the same middle. */
+static uint32_t answer(pm__cells *cells, const asked *point)
+{
+    const table *const t = &cells->tables[SMALL];
+    const size_t slot = line_of(t, point->mixed) + corner_of(point->cell);
+    const uint64_t word = atomic_load_explicit(&t->slots[slot], memory_order_relaxed);
+    uint32_t large[3];
+    if (word && word >> VALUE_BITS == tag_of(t, point->mixed))
+        return code_in(word);
+    for (int axis = 0; axis < 3; axis++)
+        large[axis] = (point->cell[axis] >> LARGER_BITS) + HALF - (HALF >> LARGER_BITS);
+    const uint32_t code = look_up(cells, LARGE, large, point->cone);
+    return code == near_by ? look_up(cells, SMALL, point->cell, point->cone) : code;
+}
+
+/* Far off each place is asked about for itself. */
+static uint32_t answer_far(pm__cells *cells, const float position[3], uint32_t cone)
+{
+    float place[3];
+    for (int axis = 0; axis < 3; axis++)
+        place[axis] = pm__in_frame(cells->map, axis, position[axis]);
+    return ask_map(cells, SMALL, place, cone);
+}
+
 /* ---- Points ------------------------------------------------------------------------------------ */
 
-static asked ask(const pm__cells *cells, const float position[3], const float normal[3])
+static inline asked ask(const pm__cells *cells, const float position[3], const float normal[3])
 {
-    asked point;
-    float sum = 0.0f;
+    const table *const t = &cells->tables[SMALL];
+    asked point = {.is_far = false};
+    float place[3], sum = 0.0f;
     for (int i = 0; i < 3; i++) {
-        point.place[i] = pm__in_frame(cells->map, i, position[i]);
+        place[i] = pm__in_frame(cells->map, i, position[i]);
         sum += fabsf(normal[i]);
     }
     point.is_any = sum > 0.0f && sum < INFINITY && isfinite(position[0] + position[1] + position[2]) &&
-                   pm__vicinity_holds(&cells->vicinity, point.place);
+                   pm__vicinity_holds(&cells->vicinity, place);
     if (!point.is_any)
         return point;
     point.cone = cone_of(normal);
-    for (int level = 0; level < LEVELS; level++) {
-        const table *const t = &cells->tables[level];
-        point.key[level] = key_of(t, point.place, point.cone);
-        __builtin_prefetch(&t->slots[slot_of(point.key[level]) & t->mask]);
+    for (int i = 0; i < 3; i++) {
+        const double at = (double)place[i] * cells->per_size + HALF; /* above 0 what is cut off is the floor */
+        const bool is_in = at >= 0.0 && at < 2.0 * HALF;
+        point.is_far |= !is_in;
+        point.cell[i] = is_in ? (uint32_t)(int32_t)at : 0;
     }
+    point.mixed = mix(cube_of(point.cell, point.cone));
+    __builtin_prefetch(&t->slots[line_of(t, point.mixed)]);
     return point;
 }
 
-/* Slots are fetched for all points before any is looked at. */
+/* Lines are fetched for all points before any is looked at. */
 void pm__cells_find(pm__cells *cells, const float (*positions)[3], const float (*normals)[3], size_t count,
                     float *values)
 {
@@ -197,32 +256,31 @@ void pm__cells_find(pm__cells *cells, const float (*positions)[3], const float (
     for (size_t i = 0; i < count; i++)
         points[i] = ask(cells, positions[i], normals[i]);
     for (size_t i = 0; i < count; i++) {
-        uint32_t bits = points[i].is_any ? look_up(cells, LARGE, &points[i]) : 0;
-        if (bits == near_by)
-            bits = look_up(cells, SMALL, &points[i]);
-        memcpy(&values[i], &bits, sizeof bits);
+        const asked *const point = &points[i];
+        values[i] = value_of(!point->is_any ? 0
+                             : point->is_far ? answer_far(cells, positions[i], point->cone)
+                                             : answer(cells, point));
     }
 }
 
 /* ---- Creation ---------------------------------------------------------------------------------- */
 
-static pm_status create_table(double size, size_t slots, table *t)
+static pm_status create_table(double size, int bits, table *t)
 {
-    *t = (table){.size = size, .per_size = 1.0 / size, .mask = slots - 1, .slots = pm__alloc(slots, sizeof *t->slots)};
-    for (size_t i = 0; t->slots && i < slots; i++) {
-        atomic_init(&t->slots[i].key, 0);
-        atomic_init(&t->slots[i].bits, unknown);
-    }
+    const size_t slots = (size_t)1 << bits;
+    *t = (table){.size = size, .bits = bits, .slots = pm__alloc(slots, sizeof *t->slots)};
+    for (size_t i = 0; t->slots && i < slots; i++)
+        atomic_init(&t->slots[i], 0);
     return t->slots ? PM_OK : PM_ENOMEM;
 }
 
 pm_status pm__cells_create(const pm_map *map, double reach, double size, pm__cell_value value, const void *context,
                            pm__cells **cells)
 {
-    enum { LEAST_SLOTS = 1 << 14, MOST_SLOTS = 1 << 21 };
-    size_t slots = LEAST_SLOTS;
-    while (slots < MOST_SLOTS && slots < 16 * pm_map_count(map))
-        slots *= 2;
+    enum { LEAST_BITS = 15, MOST_BITS = 22, FOR_EACH = 32 };
+    int bits = LEAST_BITS;
+    while (bits < MOST_BITS && (size_t)1 << bits < FOR_EACH * pm_map_count(map))
+        bits++;
     pm__cells *const made = pm__alloc_zero(1, sizeof *made);
     *cells = NULL;
     if (!made)
@@ -232,12 +290,13 @@ pm_status pm__cells_create(const pm_map *map, double reach, double size, pm__cel
     made->map = map;
     made->value = value;
     made->context = context;
+    made->per_size = 1.0 / small;
     made->reach2 = (float)fmin(framed * framed, 1e37);
     pm_status status = pm__vicinity_create(map, sqrt((double)made->reach2), &made->vicinity);
     if (status == PM_OK)
-        status = create_table(LARGER * small, slots / 4, &made->tables[LARGE]);
+        status = create_table(LARGER * small, bits - 2, &made->tables[LARGE]);
     if (status == PM_OK)
-        status = create_table(small, slots, &made->tables[SMALL]);
+        status = create_table(small, bits, &made->tables[SMALL]);
     if (status == PM_OK)
         *cells = made;
     else

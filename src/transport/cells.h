@@ -17,7 +17,7 @@ pm_status pm__cells_create(const pm_map *map, double reach, double size, pm__cel
                            pm__cells **cells);
 void pm__cells_destroy(pm__cells *cells); /* NULL is allowed */
 
-enum { PM__CELLS_AT_ONCE = 32 };
+enum { PM__CELLS_AT_ONCE = 64 };
 
 /* For `count` points, at most so many, what the nearest photon that came to the side of the normal says in the middle
  * of the point's cell: 0 where there is none, or a point is not finite. From any number of threads. Cost: some 30 ns a

@@ -1,100 +1,77 @@
-/* Inside keep_density: a batch of arrivals, decided against what is stored when it begins. */
+/* Inside keep_density: a batch of arrivals, decided plot by plot. */
 #ifndef PM_TRANSPORT_DENSITY_H
 #define PM_TRANSPORT_DENSITY_H
 
-#include "crowd.h"
 #include "keep_density.h"
+#include "plots.h"
 
 /* The rule, its parameters resolved. */
 typedef struct pm__density_rule {
-    size_t neighbors;  /* M */
-    double constant;   /* 1/m2, or 0 */
-    double low, high;  /* 1/m2: importance is taken to be between */
-    double per_pixel;  /* photons */
-    double longest;    /* m: no reach is longer */
-    bool wide;         /* D_cur / D_r is asked for below 1: twice the reach is searched */
+    double neighbors;  /* M */
+    float low, high;   /* 1/m2: required density is between, low > 0 */
+    float per_pixel;   /* photons */
     bool cosine;
     int power;         /* of the convergence of caustics; 0: off */
 } pm__density_rule;
 
-/* aside: it is not to be kept at all. */
-typedef enum pm__verdict { PM__STORE, PM__SHARE_OUT, PM__ASIDE } pm__verdict;
-
-typedef struct pm__arrival {
-    uint64_t key;       /* of its cell */
-    float reach;        /* m: within it M photons are enough */
-    float global;       /* W/m2, all bands, of all light; 0: not asked for */
-    uint16_t found;     /* neighbours */
-    uint8_t verdict;
-    bool lacks;         /* it found less than is required */
-} pm__arrival;
-
-/* An arrival as searches look at it, by cell. */
+/* An arrival on its way to its plot. */
 typedef struct pm__seeker {
     uint64_t key;
-    float position[3], reach;
-    uint32_t arrival, tag;
+    float wanted;                         /* photons, of the plot */
+    uint32_t arrival : 31, is_stored : 1; /* in the batch; what is decided */
+    float power[3], normal[3];
+    uint8_t at[2];                        /* in the plot's square */
 } pm__seeker;
 
-typedef struct pm__order {
-    uint32_t code, arrival;
-} pm__order;
+/* Arrivals that one thread prepares, or stores, at once; those of a batch, about. */
+enum { PM__DENSITY_PIECE = 1024, PM__DENSITY_BATCH = 128 * PM__DENSITY_PIECE };
 
-/* What a stored photon is given by the arrivals of one cell. */
-typedef struct pm__gift {
-    uint32_t id;
-    double power[3];
-} pm__gift;
+/* What became of a batch's arrivals in important places: how many, and how many found less than is required. */
+typedef struct pm__density_tally {
+    size_t arrived, lacking;
+} pm__density_tally;
 
-typedef struct pm__gifts {
-    pm__gift *items;
-    size_t count, room;
-} pm__gifts;
-
-/* What a thread searches with. */
-typedef struct pm__searcher {
-    pm__crowd_hood hood;
-    pm__crowd_found found;
-    pm__crowd_sum *sums; /* of the hood's */
-    size_t room;
-} pm__searcher;
-
-/* Arrivals that one thread decides at once. */
-enum { PM__DENSITY_TASK = 1024 };
+/* Of a piece, by shard: where its seekers begin in the piece's, then their end; and how many of them are stored. */
+typedef struct pm__density_runs {
+    uint16_t begin[PM__PLOT_SHARDS + 1], stored[PM__PLOT_SHARDS];
+} pm__density_runs;
 
 typedef struct pm__density {
     pm__storage *storage;
     pm__density_rule rule;
-    pm__crowd crowd;
-    const pm__crowd_kernel *kernel;
-    double (*powers)[3];     /* of the stock, in its units */
-    size_t powers_room;
-    pm__arrival *arrivals;   /* of the batch */
-    pm__order *sorted, *spare;
-    size_t room;
-    pm__gifts *gifts;        /* by task */
-    size_t gift_lists;
+    pm__plots plots;
+    uint64_t *keys;          /* of the plots of the stock's photons, from `before` on */
+    size_t before, keys_room;
+    pm__seeker *seekers;     /* of the batch: by piece, in it by shard, and then in their order */
+    pm__density_runs *runs;  /* by piece */
+    float *global;           /* W, all bands: all light on a plot there, by arrival; NULL: not asked for */
+    size_t room;             /* arrivals that these hold */
+    size_t *starts;          /* by piece: where in the stock its first stored photon goes */
     const pm__arrivals *all; /* the chunk in hand */
     size_t begin, count;     /* the batch in it */
     double emitted;          /* paths up to the batch */
+    pm__density_tally tallies[PM__PLOT_SHARDS];
     _Atomic pm_status status;
 } pm__density;
 
-double pm__density_reach(const pm__density_rule *rule, double required);
-/* What is searched to decide about an arrival of this reach, m. */
-static inline double pm__density_searched(const pm__density_rule *rule, double reach)
+static inline size_t pm__density_pieces(size_t count)
 {
-    return rule->wide ? 2.0 * reach : reach;
+    return (count + PM__DENSITY_PIECE - 1) / PM__DENSITY_PIECE;
 }
 
-/* Photons that came to surfaces which lie alike, and matter alike, have the same tag. */
-uint32_t pm__density_tag(const float normal[3], bool important);
+static inline size_t pm__density_piece_end(const pm__density *d, size_t piece)
+{
+    return (piece + 1) * PM__DENSITY_PIECE < d->count ? (piece + 1) * PM__DENSITY_PIECE : d->count;
+}
 
-/* Decides the batch, and makes the gifts of those that are not stored. ENOMEM. */
+/* 1/m2, > 0. */
+float pm__density_at(const pm__density_rule *rule, float importance);
+
+/* Finds the plots of the batch's arrivals. */
+void pm__density_prepare(pm__density *density);
+
+/* Decides the batch, which is prepared; of those not stored the power waits from now on. What is stored is not in the
+ * stock yet. ENOMEM. */
 pm_status pm__density_decide(pm__density *density);
-
-/* One arrival once more: others have been stored since. Its gifts go straight to those that they are for. ENOMEM. */
-pm_status pm__density_again(pm__density *density, size_t arrival, pm__searcher *with);
-void pm__searcher_free(pm__searcher *with);
 
 #endif

@@ -1,32 +1,30 @@
-/* A batch of arrivals at a time: all are decided against what is stored when it begins; then those that are to be
- * stored are, in the order of their paths, after a second look where others have been stored nearby meanwhile: so no
- * place gets more than it would one by one. What the others give is handed out at the end. */
+/* A batch of arrivals at a time: their plots are found, each is decided, those that are stored are put where they stay.
+ * What the others give is handed out at the end. */
 #include "keep_density.h"
 
 #include "../base/memory.h"
+#include "../base/parallel.h"
 #include "density.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* Arrivals of a batch, about: so many at most, and at least; and so many that of those stored when it ends it stored
- * one in so many, to judge by the last one. Then few have to be looked at again. */
-enum { MOST = 1 << 17, LEAST = 1 << 12, SHARE_STORED = 8 };
+static const double pi = 3.14159265358979323846;
 
 /* Required density is at most so many times that at mean importance. */
 static const double ceiling = 100.0;
 
-/* What became of a batch's arrivals in important places. */
-typedef struct tally {
+/* Of a batch. */
+typedef struct record {
     uint64_t first; /* path */
-    size_t arrived, lacking;
-} tally;
+    pm__density_tally tally;
+} record;
 
 typedef struct keeper {
     pm__density density;
-    tally *tallies;
-    size_t tally_count, tally_room;
-    double rate; /* of arrivals of the last batch, stored */
+    record *records;
+    size_t record_count, record_room;
 } keeper;
 
 /* ---- What is required --------------------------------------------------------------------------- */
@@ -46,10 +44,12 @@ double pm__density_required(const pm__spec *policy, pm__map_kind kind, const pm_
            pm__spec_value(policy, kind == PM__CAUSTIC_MAP ? "caustic" : "global", 0.0);
 }
 
-static double diagonal_of(const pm__scene *scene)
+/* The least corner of the scene and how large it is, m; not more than floats can tell places apart in. */
+static double box_of(const pm__scene *scene, double low[3])
 {
-    static const double longest = 1e18;
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0.0;
+    static const double farthest = 1e18;
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0.0;
+    low[0] = low[1] = low[2] = INFINITY;
     for (size_t i = 0; i < pm__scene_object_count(scene); i++) {
         const pm__object object = pm__scene_object(scene, i);
         for (int a = 0; a < 3; a++) {
@@ -57,185 +57,193 @@ static double diagonal_of(const pm__scene *scene)
             high[a] = fmax(high[a], object.high[a]);
         }
     }
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
+        low[a] = fmax(-farthest, fmin(low[a], farthest));
+        high[a] = fmax(low[a], fmin(high[a], farthest));
         sum += (high[a] - low[a]) * (high[a] - low[a]);
-    return sum > 0.0 ? fmin(sqrt(sum), longest) : 1.0;
+    }
+    return sum > 0.0 ? sqrt(sum) : 1.0;
 }
 
-static pm__density_rule rule_of(const pm__storing_config *config)
+/* Where nothing is required, as many as share power are for the whole scene. */
+static pm__density_rule rule_of(const pm__storing_config *config, double across)
 {
     const pm__spec *const policy = config->policy;
     const bool caustic = config->kind == PM__CAUSTIC_MAP;
     const double mean = config->importance ? pm__importance_mean(config->importance, config->kind) : 0.0;
-    pm__density_rule rule = {.neighbors = (size_t)pm__spec_value(policy, "neighbors", 20.0),
-                             .constant = pm__spec_value(policy, "constant", 0.0),
-                             .low = pm__spec_value(policy, "floor", 0.0) * mean,
-                             .high = ceiling * mean,
-                             .per_pixel = pm__spec_value(policy, caustic ? "caustic" : "global", 0.0),
-                             .longest = diagonal_of(config->scene),
-                             .cosine = pm__spec_value(policy, "accept", 0.0) == 1.0,
-                             .power = caustic ? (int)pm__spec_value(policy, "power", 0.0) : 0};
-    rule.wide = rule.cosine || rule.power;
-    return rule;
+    const double neighbors = pm__spec_value(policy, "neighbors", 20.0), least = neighbors / (pi * across * across);
+    const double constant = pm__spec_value(policy, "constant", 0.0);
+    const double pixel = pm__spec_value(policy, caustic ? "caustic" : "global", 0.0);
+    const double low = constant > 0.0 ? constant : pixel * pm__spec_value(policy, "floor", 0.0) * mean;
+    const double high = constant > 0.0 ? constant : pixel * ceiling * mean;
+    return (pm__density_rule){.neighbors = neighbors,
+                              .low = (float)fmax(least, low),
+                              .high = (float)fmax(least, high),
+                              .per_pixel = (float)pixel,
+                              .cosine = pm__spec_value(policy, "accept", 0.0) == 1.0,
+                              .power = caustic ? (int)pm__spec_value(policy, "power", 0.0) : 0};
 }
 
 /* ---- Storing ------------------------------------------------------------------------------------ */
 
-static pm_status store(pm__density *d, size_t i)
+/* Puts those of a piece that are stored into the stock, in their order. */
+static void store_piece(void *argument, size_t piece)
 {
+    enum { WORD = 64, WORDS = PM__DENSITY_PIECE / WORD };
+    const pm__density *const d = argument;
     pm__stock *const stock = &d->storage->stock;
-    const size_t at = d->begin + i, id = stock->count;
-    const pm_photon *const photon = &d->all->photons[at];
-    const double searched = pm__density_searched(&d->rule, (double)d->arrivals[i].reach);
-    if ((id == stock->capacity && pm__stock_reserve(stock, 1)) ||
-        (id == d->powers_room && pm__grow((void **)&d->powers, &d->powers_room, id + 1, sizeof *d->powers)))
-        return PM_ENOMEM;
-    pm__stock_add(stock, photon, d->all->normals[at], d->all->part[at]);
-    for (int b = 0; b < 3; b++)
-        d->powers[id][b] = (double)photon->power[b];
-    const uint32_t tag = pm__density_tag(d->all->normals[at], d->all->part[at]);
-    return pm__crowd_add(&d->crowd, photon->position, searched, (uint32_t)id, tag);
-}
-
-static pm_status settle_one(pm__density *d, size_t i, pm__searcher *with)
-{
-    const pm__arrival *const arrival = &d->arrivals[i];
-    const float *const position = d->all->photons[d->begin + i].position;
-    if (arrival->verdict != PM__STORE)
-        return PM_OK;
-    const pm__crowd_place place =
-        pm__crowd_place_of(&d->crowd, position, pm__density_searched(&d->rule, (double)arrival->reach));
-    const unsigned fresh = pm__crowd_fresh(&d->crowd, &place);
-    if (fresh && (d->rule.wide || arrival->found + fresh >= d->rule.neighbors) && pm__density_again(d, i, with))
-        return PM_ENOMEM;
-    return arrival->verdict == PM__STORE ? store(d, i) : PM_OK;
-}
-
-static pm_status settle_all(pm__density *d)
-{
-    pm__searcher with = {0};
-    pm_status status = PM_OK;
-    for (size_t i = 0; i < d->count && status == PM_OK; i++)
-        status = settle_one(d, i, &with);
-    pm__searcher_free(&with);
-    return status;
-}
-
-static void hand_out(const pm__density *d)
-{
-    for (size_t list = 0; list * PM__DENSITY_TASK < d->count; list++)
-        for (size_t i = 0; i < d->gifts[list].count; i++) {
-            const pm__gift *const gift = &d->gifts[list].items[i];
-            for (int b = 0; b < 3; b++)
-                d->powers[gift->id][b] += gift->power[b];
+    const size_t first = piece * PM__DENSITY_PIECE;
+    const pm__seeker *const seekers = d->seekers + first;
+    const pm__density_runs *const runs = &d->runs[piece];
+    uint64_t chosen[WORDS] = {0}, keys[PM__DENSITY_PIECE];
+    for (size_t s = 0; s < PM__PLOT_SHARDS; s++)
+        for (size_t i = runs->begin[s], left = runs->stored[s]; left > 0; i++) {
+            const size_t at = seekers[i].arrival - first;
+            if (!seekers[i].is_stored)
+                continue;
+            chosen[at / WORD] |= (uint64_t)1 << at % WORD;
+            keys[at] = seekers[i].key;
+            left--;
+        }
+    for (size_t w = 0, to = d->starts[piece]; w < WORDS; w++)
+        for (uint64_t left = chosen[w]; left; left &= left - 1, to++) {
+            const size_t i = w * WORD + (size_t)__builtin_ctzll(left), at = d->begin + first + i;
+            pm__stock_put(stock, to, &d->all->photons[at], d->all->normals[at], d->all->part[at]);
+            d->keys[to - d->before] = keys[i];
         }
 }
 
-static pm_status count_up(keeper *k)
+/* Where in the stock those of each piece go; the end of all. */
+static size_t place_pieces(pm__density *d)
 {
-    const pm__density *const d = &k->density;
-    tally counted = {.first = d->all->first + d->all->numbers[d->begin]};
-    const bool everywhere = !d->all->importance;
-    for (size_t i = 0; i < d->count; i++) {
-        const bool matters = everywhere || d->all->part[d->begin + i];
-        counted.arrived += matters;
-        counted.lacking += matters && d->arrivals[i].lacks;
+    size_t sum = d->storage->stock.count;
+    for (size_t piece = 0; piece < pm__density_pieces(d->count); piece++) {
+        d->starts[piece] = sum;
+        for (size_t s = 0; s < PM__PLOT_SHARDS; s++)
+            sum += d->runs[piece].stored[s];
     }
-    if (pm__grow((void **)&k->tallies, &k->tally_room, k->tally_count + 1, sizeof *k->tallies))
+    return sum;
+}
+
+static pm_status store_all(pm__density *d)
+{
+    pm__stock *const stock = &d->storage->stock;
+    const size_t end = place_pieces(d), wanted = end - d->before;
+    if (pm__stock_reserve(stock, end - stock->count) ||
+        (wanted > d->keys_room && pm__grow((void **)&d->keys, &d->keys_room, wanted, sizeof *d->keys)))
         return PM_ENOMEM;
-    k->tallies[k->tally_count++] = counted;
+    pm__for(d->storage->config->parallel, pm__density_pieces(d->count), store_piece, d);
+    stock->count = end;
     return PM_OK;
+}
+
+/* ---- Ending ------------------------------------------------------------------------------------- */
+
+/* Arrivals of the batch, which is decided, up to where storing ends. ENOMEM: *taken is 0. */
+static pm_status find_end(const pm__density *d, size_t *taken)
+{
+    const pm__arrivals *const all = d->all;
+    unsigned char *const kept = pm__alloc_zero(d->count, sizeof *kept);
+    *taken = 0;
+    if (!kept)
+        return PM_ENOMEM;
+    for (size_t piece = 0; piece < pm__density_pieces(d->count); piece++) {
+        const pm__seeker *const seekers = d->seekers + piece * PM__DENSITY_PIECE;
+        for (size_t i = 0; i < d->runs[piece].begin[PM__PLOT_SHARDS]; i++)
+            kept[seekers[i].arrival] = seekers[i].is_stored;
+    }
+    *taken = pm__stock_taken(&d->storage->stock, d->storage->config->stored, kept, all->numbers + d->begin, all->first,
+                             d->count);
+    free(kept);
+    return PM_OK;
+}
+
+/* Decides once more, of the batch's first `taken` alone, from what was before. */
+static pm_status decide_again(pm__density *d, pm__plot_shard before[PM__PLOT_SHARDS], size_t taken)
+{
+    for (int i = 0; i < PM__PLOT_SHARDS; i++) {
+        pm__plot_shard_free(&d->plots.shards[i]);
+        d->plots.shards[i] = before[i];
+        before[i] = (pm__plot_shard){0};
+    }
+    d->count = taken;
+    return pm__density_decide(d);
+}
+
+/* Where storing may end with this batch. */
+static pm_status decide_to_the_end(pm__density *d)
+{
+    pm__plot_shard before[PM__PLOT_SHARDS] = {{0}};
+    pm_status status = PM_OK;
+    size_t taken = d->count;
+    for (int i = 0; i < PM__PLOT_SHARDS && status == PM_OK; i++)
+        status = pm__plot_shard_copy(&d->plots.shards[i], &before[i]);
+    if (status == PM_OK)
+        status = pm__density_decide(d);
+    if (status == PM_OK)
+        status = find_end(d, &taken);
+    if (status == PM_OK && taken < d->count)
+        status = decide_again(d, before, taken);
+    for (int i = 0; i < PM__PLOT_SHARDS; i++)
+        pm__plot_shard_free(&before[i]);
+    return status;
 }
 
 /* ---- Batches ------------------------------------------------------------------------------------ */
 
 static pm_status reserve(pm__density *d)
 {
-    size_t rooms[3] = {d->room, d->room, d->room};
-    const size_t lists = (d->count + PM__DENSITY_TASK - 1) / PM__DENSITY_TASK;
-    if (d->count > d->room) {
-        if (pm__grow((void **)&d->arrivals, &rooms[0], d->count, sizeof *d->arrivals) ||
-            pm__grow((void **)&d->sorted, &rooms[1], d->count, sizeof *d->sorted) ||
-            pm__grow((void **)&d->spare, &rooms[2], d->count, sizeof *d->spare))
-            return PM_ENOMEM;
-        d->room = rooms[0];
+    const size_t pieces = pm__density_pieces(d->count), all = pieces * PM__DENSITY_PIECE;
+    if (all <= d->room)
+        return PM_OK;
+    free(d->seekers);
+    free(d->runs);
+    free(d->global);
+    free(d->starts);
+    d->seekers = pm__alloc(all, sizeof *d->seekers);
+    d->runs = pm__alloc(pieces, sizeof *d->runs);
+    d->global = d->rule.power ? pm__alloc(all, sizeof *d->global) : NULL;
+    d->starts = pm__alloc(pieces, sizeof *d->starts);
+    d->room = d->seekers && d->runs && d->starts && (d->global || !d->rule.power) ? all : 0;
+    return d->room ? PM_OK : PM_ENOMEM;
+}
+
+static pm_status count_up(keeper *k)
+{
+    const pm__density *const d = &k->density;
+    record made = {.first = d->all->first + d->all->numbers[d->begin]};
+    for (int i = 0; i < PM__PLOT_SHARDS; i++) {
+        made.tally.arrived += d->tallies[i].arrived;
+        made.tally.lacking += d->tallies[i].lacking;
     }
-    const size_t before = d->gift_lists;
-    if (lists > before && pm__grow((void **)&d->gifts, &d->gift_lists, lists, sizeof *d->gifts))
+    if (pm__grow((void **)&k->records, &k->record_room, k->record_count + 1, sizeof *k->records))
         return PM_ENOMEM;
-    for (size_t i = before; i < d->gift_lists; i++)
-        d->gifts[i] = (pm__gifts){0};
+    k->records[k->record_count++] = made;
     return PM_OK;
 }
 
-/* From arrival `begin` on about `count`, whole paths; at least one. */
-static size_t batch_end(const pm__arrivals *all, size_t begin, size_t count)
-{
-    size_t end = all->count - begin < count ? all->count : begin + count;
-    while (end < all->count && end > begin && all->numbers[end] == all->numbers[end - 1])
-        end++;
-    return end;
-}
-
-/* Whole paths of the batch that are sure not to store as many as are still wanted: none are stored that the decision
- * did not say. The first path at least. */
-static size_t harmless(const pm__density *d)
-{
-    const size_t wanted = d->storage->config->stored, left = wanted - d->storage->stock.count;
-    const uint32_t *const numbers = d->all->numbers + d->begin;
-    size_t end = 0;
-    for (size_t i = 0, stored = 0; i < d->count; i++) {
-        stored += d->arrivals[i].verdict == PM__STORE;
-        if (stored >= left)
-            return end > 0 ? end : batch_end(d->all, d->begin, 1) - d->begin;
-        if (i + 1 < d->count && numbers[i + 1] != numbers[i])
-            end = i + 1;
-    }
-    return d->count;
-}
-
-static pm_status decide(pm__density *d)
-{
-    return reserve(d) ? PM_ENOMEM : pm__density_decide(d);
-}
-
-/* Decides so many of the batch that those before the last path do not end storing. */
-static pm_status decide_harmless(pm__density *d)
-{
-    pm_status status = decide(d);
-    const size_t some = status == PM_OK ? harmless(d) : d->count;
-    if (some == d->count)
-        return status;
-    d->count = some;
-    return decide(d);
-}
-
-/* *ended: by its one path there would be enough. */
-static pm_status run_batch(keeper *k, bool *ended)
+static pm_status run_batch(keeper *k)
 {
     pm__density *const d = &k->density;
-    pm__stock *const stock = &d->storage->stock;
-    const size_t before = stock->count;
+    const size_t stored = d->storage->stock.count, wanted = d->storage->config->stored;
     d->emitted = (double)(d->all->first + d->all->numbers[d->begin] + 1);
-    pm__crowd_settle(&d->crowd);
-    pm_status status = decide_harmless(d);
-    if (status == PM_OK)
-        status = settle_all(d);
-    *ended = stock->count >= d->storage->config->stored;
+    pm_status status = reserve(d);
     if (status != PM_OK)
         return status;
-    if (*ended && !pm__path_is_first(d->all, d->begin)) {
-        stock->count = before;
-        return PM_OK;
-    }
-    hand_out(d);
-    return count_up(k);
+    pm__density_prepare(d);
+    status = wanted < SIZE_MAX && stored + d->count >= wanted ? decide_to_the_end(d) : pm__density_decide(d);
+    if (status == PM_OK)
+        status = store_all(d);
+    return status == PM_OK && d->count > 0 ? count_up(k) : status;
 }
 
-static size_t batch_size(const keeper *k)
+/* From arrival `begin` on, whole paths. */
+static size_t batch_end(const pm__arrivals *all, size_t begin)
 {
-    const double stored = (double)k->density.storage->stock.count;
-    return (size_t)fmax((double)LEAST, fmin(stored / SHARE_STORED / fmax(k->rate, 1e-3), (double)MOST));
+    size_t end = all->count - begin < PM__DENSITY_BATCH ? all->count : begin + PM__DENSITY_BATCH;
+    while (end < all->count && all->numbers[end] == all->numbers[end - 1])
+        end++;
+    return end;
 }
 
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
@@ -243,16 +251,16 @@ static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t
     keeper *const k = storage->own;
     pm__density *const d = &k->density;
     pm_status status = PM_OK;
-    bool ended = false;
     d->all = arrivals;
-    for (*taken = 0; *taken < arrivals->count && status == PM_OK && !ended;) {
+    for (*taken = 0; *taken < arrivals->count && status == PM_OK; *taken += d->count) {
+        const size_t wished = batch_end(arrivals, *taken) - *taken;
         d->begin = *taken;
-        d->count = batch_end(arrivals, *taken, batch_size(k)) - *taken;
-        const size_t before = storage->stock.count;
-        status = run_batch(k, &ended);
-        k->rate = status == PM_OK ? (double)(storage->stock.count - before) / (double)d->count : 0.0;
-        if (!ended || pm__path_is_first(arrivals, d->begin))
+        d->count = wished;
+        status = run_batch(k);
+        if (d->count < wished) {
             *taken += d->count;
+            break;
+        }
     }
     return status;
 }
@@ -262,40 +270,93 @@ static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t
 static pm_status begin(pm__storage *storage)
 {
     const pm__storing_config *const config = storage->config;
+    double low[3];
+    const double across = box_of(config->scene, low);
     keeper *const k = storage->own = pm__alloc_zero(1, sizeof *k);
     if (!k)
         return PM_ENOMEM;
     pm__density *const d = &k->density;
     d->storage = storage;
-    d->kernel = pm__crowd_choose();
-    d->rule = rule_of(config);
+    d->before = storage->stock.count;
+    d->rule = rule_of(config, across);
     if (d->rule.power && !config->global)
         return pm__fail(storage->error, PM_EINVAL, "the convergence of caustics needs a map of all light");
     const double mean = config->importance ? pm__importance_mean(config->importance, config->kind) : 0.0;
-    const double usual = pm__density_required(config->policy, config->kind, config->importance, mean);
-    return pm__crowd_init(&d->crowd, pm__density_searched(&d->rule, pm__density_reach(&d->rule, usual)),
-                          d->rule.constant > 0.0);
+    const double usual = (double)pm__density_at(&d->rule, (float)mean), least = (double)pm__density_at(&d->rule, 0.0f);
+    return pm__plots_init(&d->plots, d->rule.neighbors, usual, least, low, across, d->rule.power > 0);
+}
+
+static pm__plot *plot_of(const pm__density *d, size_t i)
+{
+    const uint64_t key = d->keys[i - d->before];
+    return pm__plot_find(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
+}
+
+/* Only what faces the plot is given of its power; one that faced each of those whose power waits is so anyway. */
+static bool takes(const pm__plot *plot, const pm_photon *photon)
+{
+    return pm__plot_faces(plot->key, photon->direction) ||
+           !memcmp(photon->direction, plot->steepest, sizeof plot->steepest);
+}
+
+static size_t stock_end(const pm__density *d, size_t piece)
+{
+    const size_t end = d->before + (piece + 1) * PM__DENSITY_PIECE;
+    return end < d->storage->stock.count ? end : d->storage->stock.count;
+}
+
+/* Photon i's plot; fetches that of one to come. */
+static pm__plot *visit(const pm__density *d, size_t i, size_t end)
+{
+    enum { AHEAD = 16 };
+    if (i + AHEAD < end) {
+        const uint64_t key = d->keys[i + AHEAD - d->before];
+        pm__plot_prefetch(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
+    }
+    return plot_of(d, i);
+}
+
+static void count_takers(void *argument, size_t piece)
+{
+    const pm__density *const d = argument;
+    for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
+        pm__plot *const plot = visit(d, i, end);
+        if (takes(plot, &d->storage->stock.photons[i]))
+            atomic_fetch_add_explicit(&plot->takers, 1, memory_order_relaxed);
+    }
+}
+
+static void hand_out(void *argument, size_t piece)
+{
+    const pm__density *const d = argument;
+    for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
+        pm_photon *const photon = &d->storage->stock.photons[i];
+        const pm__plot *const plot = visit(d, i, end);
+        for (int b = 0; b < 3 && takes(plot, photon); b++)
+            photon->power[b] = (float)((double)photon->power[b] + plot->waiting[b] / plot->takers);
+    }
 }
 
 /* Of photons of the last tenth that came to important places one in a hundred found too few. */
 static bool is_unmet(const keeper *k)
 {
     size_t arrived = 0, lacking = 0;
-    for (size_t i = k->tally_count; i-- > 0;) {
-        if (i + 1 < k->tally_count && (double)k->tallies[i].first < 0.9 * k->density.emitted)
+    for (size_t i = k->record_count; i-- > 0;) {
+        if (i + 1 < k->record_count && (double)k->records[i].first < 0.9 * k->density.emitted)
             break;
-        arrived += k->tallies[i].arrived;
-        lacking += k->tallies[i].lacking;
+        arrived += k->records[i].tally.arrived;
+        lacking += k->records[i].tally.lacking;
     }
     return (double)lacking > 0.01 * (double)arrived;
 }
 
 static pm_status end(pm__storage *storage, bool *unmet)
 {
-    const keeper *const k = storage->own;
-    for (size_t i = 0; i < storage->stock.count; i++)
-        for (int b = 0; b < 3; b++)
-            storage->stock.photons[i].power[b] = (float)k->density.powers[i][b];
+    keeper *const k = storage->own;
+    pm__density *const d = &k->density;
+    const size_t pieces = pm__density_pieces(storage->stock.count - d->before);
+    pm__for(storage->config->parallel, pieces, count_takers, d);
+    pm__for(storage->config->parallel, pieces, hand_out, d);
     *unmet = is_unmet(k);
     return PM_OK;
 }
@@ -306,15 +367,13 @@ static void release(pm__storage *storage)
     if (!k)
         return;
     pm__density *const d = &k->density;
-    for (size_t i = 0; i < d->gift_lists; i++)
-        free(d->gifts[i].items);
-    pm__crowd_free(&d->crowd);
-    free(d->powers);
-    free(d->arrivals);
-    free(d->sorted);
-    free(d->spare);
-    free(d->gifts);
-    free(k->tallies);
+    pm__plots_free(&d->plots);
+    free(d->keys);
+    free(d->seekers);
+    free(d->runs);
+    free(d->global);
+    free(d->starts);
+    free(k->records);
     free(k);
 }
 

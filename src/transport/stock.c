@@ -23,3 +23,20 @@ void pm__stock_free(pm__stock *stock)
     free(stock->part);
     *stock = (pm__stock){0};
 }
+
+size_t pm__stock_taken(const pm__stock *stock, size_t wanted, const unsigned char *kept, const uint32_t *numbers,
+                       uint64_t first, size_t count)
+{
+    size_t stored = stock->count, begin = 0; /* of the path in hand */
+    for (size_t i = 0; i < count; i++) {
+        if (i > 0 && numbers[i] != numbers[i - 1]) {
+            if (stored >= wanted)
+                return i; /* one path is enough */
+            begin = i;
+        }
+        stored += kept ? kept[i] : 1;
+        if (stored >= wanted && first + numbers[i] > 0)
+            return begin;
+    }
+    return count;
+}

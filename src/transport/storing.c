@@ -62,16 +62,34 @@ static pm_status reserve(run *r, size_t count)
     return PM_OK;
 }
 
+typedef struct looking {
+    const run *run;
+    const pm__arrivals *arrivals;
+} looking;
+
+static void look_piece(void *argument, size_t piece)
+{
+    const looking *const l = argument;
+    const run *const r = l->run;
+    const pm__storing_config *const config = r->storage.config;
+    const size_t begin = piece * PIECE, end = end_of(piece, l->arrivals->count);
+    const double threshold = r->storage.threshold;
+    if (!config->importance) {
+        memset(r->part + begin, 0, end - begin);
+        return;
+    }
+    pm__importance_of_photons(config->importance, config->kind, NULL, l->arrivals->photons + begin,
+                              l->arrivals->normals + begin, end - begin, r->importance + begin);
+    for (size_t i = begin; i < end; i++)
+        r->part[i] = (double)r->importance[i] >= threshold;
+}
+
 static pm_status look_up(run *r, pm__arrivals *arrivals)
 {
-    const pm__storing_config *const config = r->storage.config;
+    looking all = {r, arrivals};
     if (arrivals->count > r->room && reserve(r, arrivals->count))
         return PM_ENOMEM;
-    if (config->importance)
-        pm__importance_of_photons(config->importance, config->kind, config->parallel, arrivals->photons,
-                                  arrivals->normals, arrivals->count, r->importance);
-    for (size_t i = 0; i < arrivals->count; i++)
-        r->part[i] = config->importance && (double)r->importance[i] >= r->storage.threshold;
+    pm__for(r->storage.config->parallel, pieces_of(arrivals->count), look_piece, &all);
     arrivals->importance = r->importance;
     arrivals->part = r->part;
     return PM_OK;

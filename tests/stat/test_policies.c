@@ -111,8 +111,9 @@ static bool is_inside(const pm_photon *photon, double half)
            photon->position[2] < 0.1f;
 }
 
-/* 20 times as many photons as are required everywhere: erratum 41's density, 1.31 times the required one; and what
- * falls on a part of the floor stays there on average. */
+/* 20 times as many photons as are required everywhere: of each plot half of M are required, no fraction, and as many
+ * are stored (erratum 41 has 1.31 times as many, of the printed rule). Without importance, since where that ends plots
+ * are cut, and both parts have as many. What falls on a part of the floor stays there on average. */
 START_TEST(test_density_and_local_light)
 {
     enum { TRIALS = 12, REQUIRED = 400 };
@@ -125,7 +126,10 @@ START_TEST(test_density_and_local_light)
     (void)snprintf(policy, sizeof policy, "density:constant=%d", REQUIRED);
     for (uint32_t trial = 0; trial < TRIALS; trial++) {
         double count = 0.0, sum = 0.0;
-        pm__stored_photons set = policed_store(&p, policy, PM__GLOBAL_MAP, emitted, trial);
+        const pm__spec spec = policed_spec(policy);
+        const pm__storing_config config = {.scene = p.scene, .kind = PM__GLOBAL_MAP, .policy = &spec, .seed = 5,
+                                           .trial = trial, .emitted = emitted, .stored = SIZE_MAX};
+        pm__stored_photons set = policed_run(&config);
         for (size_t i = 0; i < set.count; i++)
             if (is_inside(&set.photons[i], half)) {
                 count++;
@@ -136,13 +140,15 @@ START_TEST(test_density_and_local_light)
         add(&light, sum);
         pm__stored_photons_free(&set);
     }
-    ck_assert_msg(mean_of(&density) > 1.25 && mean_of(&density) < 1.40, "%g", mean_of(&density));
+    PM_CHECK_NEAR(mean_of(&density), 1.0, 6.0 * error_of(&density) + 1e-3);
     check_alike("light", &light, &even);
     policed_free(&p);
 }
 END_TEST
 
-/* Required of important places: many more are stored there than elsewhere, as many as arrive at most. */
+/* Required of important places: many more are stored there than elsewhere. Of a plot as many are as are required on
+ * average of it, up to the next whole number, of 5 to 20: 5 % more on average; and where importance ends, or plots of
+ * different sizes meet, more again. */
 START_TEST(test_density_by_importance)
 {
     policed p = policed_floor(1.0);
@@ -159,7 +165,7 @@ START_TEST(test_density_by_importance)
     }
     for (size_t i = 0; i < set.count; i++)
         count += is_inside(&set.photons[i], 0.5);
-    ck_assert_msg(count > 1.15 * expected && count < 1.45 * expected, "%g of %g", count, expected);
+    ck_assert_msg(count > 1.0 * expected && count < 1.3 * expected, "%g of %g", count, expected);
     ck_assert(!set.unmet);
     pm__stored_photons_free(&set);
     policed_free(&p);
