@@ -19,4 +19,5 @@
     X(scaling)            \
     X(motion)             \
     X(updates)            \
+    X(adapts)             \
     X(sums)
