@@ -1,45 +1,23 @@
 /* Storage policies over many trials: flux everywhere and where it matters, densities, local light. Bounds are 6
  * standard errors over trials, a false alarm in 5e8 comparisons. */
+#include "../moments.h"
 #include "../policies.h"
 
 #include <stdio.h>
 
 static const double pi = 3.14159265358979323846;
 
-typedef struct moments {
-    double sum, square;
-    size_t count;
-} moments;
-
-static void add(moments *m, double x)
+static void check_alike(const char *what, const pm__moments *a, const pm__moments *b)
 {
-    m->sum += x;
-    m->square += x * x;
-    m->count++;
-}
-
-static double mean_of(const moments *m)
-{
-    return m->sum / (double)m->count;
-}
-
-/* Of the mean. */
-static double error_of(const moments *m)
-{
-    const double n = (double)m->count, mean = m->sum / n;
-    return sqrt(fmax(0.0, m->square / n - mean * mean) / (n - 1.0));
-}
-
-static void check_alike(const char *what, const moments *a, const moments *b)
-{
-    const double error = hypot(error_of(a), error_of(b));
-    ck_assert_msg(fabs(mean_of(a) - mean_of(b)) <= 6.0 * error + 1e-6 * mean_of(b), "%s: %.6g +- %.2g, expected %.6g",
-                  what, mean_of(a), error, mean_of(b));
+    const double error = hypot(pm__moments_error(a), pm__moments_error(b));
+    const double got = pm__moments_mean(a), want = pm__moments_mean(b);
+    ck_assert_msg(fabs(got - want) <= 6.0 * error + 1e-6 * want, "%s: %.6g +- %.2g, expected %.6g", what, got, error,
+                  want);
 }
 
 /* Flux by part: what is stored of so many that are sent, or until so many are stored. */
 static void measure(const policed *p, const char *policy, pm__map_kind kind, size_t stored, uint32_t trials,
-                    moments flux[PM__PARTS])
+                    pm__moments flux[PM__PARTS])
 {
     const pm__spec spec = policed_spec(policy);
     for (uint32_t trial = 0; trial < trials; trial++) {
@@ -48,7 +26,7 @@ static void measure(const policed *p, const char *policy, pm__map_kind kind, siz
                                            .emitted = stored < SIZE_MAX ? 100000 : 600, .stored = stored};
         pm__stored_photons set = policed_run(&config);
         for (int part = 0; part < PM__PARTS; part++)
-            add(&flux[part], set.flux[part]);
+            pm__moments_add(&flux[part], set.flux[part]);
         pm__stored_photons_free(&set);
     }
 }
@@ -60,10 +38,10 @@ enum { POLICIES = sizeof policies / sizeof *policies };
 
 static void check_flux(const policed *p, pm__map_kind kind, uint32_t trials)
 {
-    moments even[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
+    pm__moments even[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
     measure(p, "all", kind, SIZE_MAX, 2 * trials, even);
     for (size_t i = 0; i < POLICIES; i++) {
-        moments flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
+        pm__moments flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
         measure(p, policies[i], kind, SIZE_MAX, trials, flux);
         for (int part = 0; part < PM__PARTS; part++)
             check_alike(policies[i], &flux[part], &even[part]);
@@ -94,8 +72,8 @@ START_TEST(test_flux_of_so_many_stored)
     enum { TRIALS = 2000 };
     policed p = policed_floor(1.0);
     for (size_t i = 0; i < 3; i++) {
-        moments flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
-        const moments exact = {27.0 * 100.0, 27.0 * 27.0 * 100.0, 100};
+        pm__moments flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
+        const pm__moments exact = {27.0 * 100.0, 27.0 * 27.0 * 100.0, 100};
         measure(&p, by_chance[i], PM__GLOBAL_MAP, 8, TRIALS, flux);
         check_alike(by_chance[i], &flux[PM__EVERYWHERE], &exact);
     }
@@ -120,8 +98,8 @@ START_TEST(test_density_and_local_light)
     const double half = 0.5, area = 4.0 * half * half, share = 9.0 / (pi * 2.2 * 2.2);
     const uint64_t emitted = (uint64_t)(20 * REQUIRED * 9 / share);
     policed p = policed_floor(1.0);
-    moments density = {0.0, 0.0, 0}, light = {0.0, 0.0, 0};
-    const moments even = {3.0 * area * 100.0, 9.0 * area * area * 100.0, 100};
+    pm__moments density = {0.0, 0.0, 0}, light = {0.0, 0.0, 0};
+    const pm__moments even = {3.0 * area * 100.0, 9.0 * area * area * 100.0, 100};
     char policy[40];
     (void)snprintf(policy, sizeof policy, "density:constant=%d", REQUIRED);
     for (uint32_t trial = 0; trial < TRIALS; trial++) {
@@ -136,11 +114,11 @@ START_TEST(test_density_and_local_light)
                 for (int b = 0; b < 3; b++)
                     sum += (double)set.photons[i].power[b];
             }
-        add(&density, count / area / REQUIRED);
-        add(&light, sum);
+        pm__moments_add(&density, count / area / REQUIRED);
+        pm__moments_add(&light, sum);
         pm__stored_photons_free(&set);
     }
-    PM_CHECK_NEAR(mean_of(&density), 1.0, 6.0 * error_of(&density) + 1e-3);
+    PM_CHECK_NEAR(pm__moments_mean(&density), 1.0, 6.0 * pm__moments_error(&density) + 1e-3);
     check_alike("light", &light, &even);
     policed_free(&p);
 }
@@ -180,9 +158,9 @@ START_TEST(test_printed_emission_loses)
 {
     enum { TRIALS = 3000, TESTS = 4 };
     policed p = policed_floor(1.0);
-    moments even[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}}, flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
+    pm__moments even[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}}, flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
     measure(&p, "all", PM__GLOBAL_MAP, SIZE_MAX, 400, even);
-    const double sent = 3.0 * pi * 2.2 * 2.2, share = mean_of(&even[PM__IMPORTANT]) / sent;
+    const double sent = 3.0 * pi * 2.2 * 2.2, share = pm__moments_mean(&even[PM__IMPORTANT]) / sent;
     const pm__spec spec = policed_spec("emission:strata=1,tests=4,form=printed,ratio=1");
     for (uint32_t trial = 0; trial < TRIALS; trial++) {
         const pm__storing_config config = {.scene = p.scene, .kind = PM__GLOBAL_MAP, .policy = &spec,
@@ -190,19 +168,20 @@ START_TEST(test_printed_emission_loses)
                                            .stored = SIZE_MAX};
         pm__stored_photons set = policed_run(&config);
         for (int part = 0; part < PM__PARTS; part++)
-            add(&flux[part], set.flux[part]);
+            pm__moments_add(&flux[part], set.flux[part]);
         pm__stored_photons_free(&set);
     }
-    const double missed = pow(1.0 - share, TESTS), lost = missed * mean_of(&even[PM__IMPORTANT]);
-    const double off = share / (1.0 - share) * missed * mean_of(&even[PM__EVERYWHERE]);
-    const double other = mean_of(&even[PM__EVERYWHERE]) - mean_of(&even[PM__IMPORTANT]);
-    const double expected = mean_of(&even[PM__IMPORTANT]) - lost + other * (1.0 + missed * share / (1.0 - share));
+    const double missed = pow(1.0 - share, TESTS), lost = missed * pm__moments_mean(&even[PM__IMPORTANT]);
+    const double off = share / (1.0 - share) * missed * pm__moments_mean(&even[PM__EVERYWHERE]);
+    const double other = pm__moments_mean(&even[PM__EVERYWHERE]) - pm__moments_mean(&even[PM__IMPORTANT]);
+    const double expected =
+        pm__moments_mean(&even[PM__IMPORTANT]) - lost + other * (1.0 + missed * share / (1.0 - share));
     ck_assert(off > 0.0 && missed > 0.1 && missed < 0.95);
-    ck_assert(lost > 20.0 * error_of(&flux[PM__IMPORTANT]));
-    PM_CHECK_NEAR(mean_of(&flux[PM__IMPORTANT]), mean_of(&even[PM__IMPORTANT]) - lost,
-                  6.0 * hypot(error_of(&flux[PM__IMPORTANT]), error_of(&even[PM__IMPORTANT])));
-    PM_CHECK_NEAR(mean_of(&flux[PM__EVERYWHERE]), expected,
-                  6.0 * hypot(error_of(&flux[PM__EVERYWHERE]), error_of(&even[PM__EVERYWHERE])));
+    ck_assert(lost > 20.0 * pm__moments_error(&flux[PM__IMPORTANT]));
+    PM_CHECK_NEAR(pm__moments_mean(&flux[PM__IMPORTANT]), pm__moments_mean(&even[PM__IMPORTANT]) - lost,
+                  6.0 * hypot(pm__moments_error(&flux[PM__IMPORTANT]), pm__moments_error(&even[PM__IMPORTANT])));
+    PM_CHECK_NEAR(pm__moments_mean(&flux[PM__EVERYWHERE]), expected,
+                  6.0 * hypot(pm__moments_error(&flux[PM__EVERYWHERE]), pm__moments_error(&even[PM__EVERYWHERE])));
     policed_free(&p);
 }
 END_TEST

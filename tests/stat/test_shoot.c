@@ -1,6 +1,7 @@
 /* Photon sets stand for the power that they should, however they are counted and spread. Bounds are 6 standard errors
  * over trials, a false alarm in 5e8 comparisons. */
 #include "../lit.h"
+#include "../moments.h"
 
 static const double albedo[3] = {0.9, 0.6, 0.2};
 static const char *const samplers[] = {"poisson", "stratified", "sobol"};
@@ -16,34 +17,11 @@ static pm__scene *furnace(void)
     return lit_commit(scene);
 }
 
-typedef struct moments {
-    double sum, square;
-    size_t count;
-} moments;
-
-static void add(moments *m, double x)
+static void check_mean(const char *what, const pm__moments *m, double expected)
 {
-    m->sum += x;
-    m->square += x * x;
-    m->count++;
-}
-
-static double mean_of(const moments *m)
-{
-    return m->sum / (double)m->count;
-}
-
-static double variance_of(const moments *m)
-{
-    const double n = (double)m->count, mean = m->sum / n;
-    return fmax(0.0, m->square / n - mean * mean) * n / (n - 1.0);
-}
-
-static void check_mean(const char *what, const moments *m, double expected)
-{
-    const double error = sqrt(variance_of(m) / (double)m->count);
-    ck_assert_msg(fabs(mean_of(m) - expected) <= 6.0 * error + 1e-6 * expected, "%s: mean %.6g, expected %.6g +- %.2g",
-                  what, mean_of(m), expected, error);
+    const double error = pm__moments_error(m), mean = pm__moments_mean(m);
+    ck_assert_msg(fabs(mean - expected) <= 6.0 * error + 1e-6 * expected, "%s: mean %.6g, expected %.6g +- %.2g", what,
+                  mean, expected, error);
 }
 
 /* The power of all stored photons is 1/(1 - albedo) in each band, where a path stores a number of photons that differs,
@@ -51,14 +29,14 @@ static void check_mean(const char *what, const moments *m, double expected)
 static void check_stored(const pm__scene *scene, size_t count, uint64_t most, uint32_t trials)
 {
     size_t whole = 0;
-    moments bands[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
+    pm__moments bands[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
     for (uint32_t trial = 0; trial < trials; trial++) {
         const pm__shoot_config config = {.scene = scene, .seed = 37, .trial = trial, .count = count, .most = most};
         pm__photon_set set = lit_shoot(&config);
         ck_assert(set.count == count || (most && set.count < count && set.emitted == most));
         whole += set.count == count;
         for (int b = 0; b < 3; b++)
-            add(&bands[b], lit_power(&set, b));
+            pm__moments_add(&bands[b], lit_power(&set, b));
         pm__photon_set_free(&set);
     }
     for (int b = 0; b < 3; b++)
@@ -118,13 +96,13 @@ START_TEST(test_emitted_counts_are_unbiased)
 {
     pm__scene *const scene = furnace();
     for (int s = 0; s < 3; s++) {
-        moments bands[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
+        pm__moments bands[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
         for (uint32_t trial = 0; trial < 1500; trial++) {
             const pm__shoot_config config = {.scene = scene, .seed = 38, .trial = trial, .count = 10, .emitted = true,
                                              .sampler = lit_sampler(samplers[s])};
             pm__photon_set set = lit_shoot(&config);
             for (int b = 0; b < 3; b++)
-                add(&bands[b], lit_power(&set, b));
+                pm__moments_add(&bands[b], lit_power(&set, b));
             pm__photon_set_free(&set);
         }
         for (int b = 0; b < 3; b++)
@@ -148,7 +126,7 @@ START_TEST(test_lights_by_share)
     }
     lit_commit(scene);
     for (int s = 0; s < 3; s++) {
-        moments power[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
+        pm__moments power[3] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}, {0.0, 0.0, 0}};
         for (uint32_t trial = 0; trial < 4000; trial++) {
             const pm__shoot_config config = {.scene = scene, .seed = 39, .trial = trial, .count = 11, .emitted = true,
                                              .sampler = lit_sampler(samplers[s])};
@@ -157,7 +135,7 @@ START_TEST(test_lights_by_share)
             for (size_t i = 0; i < set.count; i++)
                 sum[(int)((set.photons[i].position[0] + 1.5f) / 10.0f)] += (double)set.photons[i].power[0];
             for (int i = 0; i < 3; i++)
-                add(&power[i], sum[i]);
+                pm__moments_add(&power[i], sum[i]);
             pm__photon_set_free(&set);
         }
         for (int i = 0; i < 3; i++)
@@ -184,7 +162,7 @@ START_TEST(test_spread_photons_are_less_noisy)
     lit_commit(scene);
     double variance[3];
     for (int s = 0; s < 3; s++) {
-        moments inside = {0.0, 0.0, 0};
+        pm__moments inside = {0.0, 0.0, 0};
         for (uint32_t trial = 0; trial < TRIALS; trial++) {
             const pm__shoot_config config = {.scene = scene, .seed = 40, .trial = trial, .count = PHOTONS,
                                              .emitted = true, .sampler = lit_sampler(samplers[s])};
@@ -194,11 +172,11 @@ START_TEST(test_spread_photons_are_less_noisy)
                 const double x = (double)set.photons[i].position[0] - 0.3, y = (double)set.photons[i].position[1];
                 sum += x * x + y * y < 0.25 ? (double)set.photons[i].power[0] : 0.0;
             }
-            add(&inside, sum * PHOTONS);
+            pm__moments_add(&inside, sum * PHOTONS);
             pm__photon_set_free(&set);
         }
         check_mean(samplers[s], &inside, 0.25 * PHOTONS);
-        variance[s] = variance_of(&inside);
+        variance[s] = pm__moments_variance(&inside);
     }
     /* 2 (C + R) with C R = 2500 and C / R = pi */
     const double columns = sqrt(PHOTONS * 3.15), rows = PHOTONS / columns;
@@ -231,27 +209,27 @@ START_TEST(test_projection_maps_keep_the_power)
     PM_CHECK_OK(pm__paths_create("LS+D", &paths, &error), error);
     for (int s = 0; s < 3; s++)
         for (int stored = 0; stored < 2; stored++) {
-            moments plain = {0.0, 0.0, 0}, aimed = {0.0, 0.0, 0};
+            pm__moments plain = {0.0, 0.0, 0}, aimed = {0.0, 0.0, 0};
             for (uint32_t trial = 0; trial < 100; trial++) {
                 pm__shoot_config config = {.scene = scene, .paths = paths, .seed = 41, .trial = trial,
                                            .sampler = lit_sampler(samplers[s]), .count = stored ? 200 : 2000,
                                            .emitted = !stored};
                 pm__photon_set set = lit_shoot(&config);
-                add(&plain, lit_power(&set, 0));
+                pm__moments_add(&plain, lit_power(&set, 0));
                 pm__photon_set_free(&set);
                 config.projection = projection;
                 config.seed = 42;
                 set = lit_shoot(&config);
-                add(&aimed, lit_power(&set, 0));
+                pm__moments_add(&aimed, lit_power(&set, 0));
                 pm__photon_set_free(&set);
             }
-            const double bound = 6.0 * sqrt((variance_of(&plain) + variance_of(&aimed)) / 100.0);
-            PM_CHECK_NEAR(mean_of(&aimed), mean_of(&plain), bound);
+            const double bound = 6.0 * sqrt((pm__moments_variance(&plain) + pm__moments_variance(&aimed)) / 100.0);
+            PM_CHECK_NEAR(pm__moments_mean(&aimed), pm__moments_mean(&plain), bound);
             /* By the same number emitted, with a share q of the power sent and p of it in the caustic, independent
              * photons have the variance p (q - p) instead of p (1 - p); a ratio of two of 100 trials errs by a factor
              * of 3 at most. Of a number stored it is about the same either way. */
             if (s == 0 && !stored)
-                ck_assert_double_lt(3.0 * variance_of(&aimed), variance_of(&plain));
+                ck_assert_double_lt(3.0 * pm__moments_variance(&aimed), pm__moments_variance(&plain));
         }
     pm__paths_destroy(paths);
     pm__projection_destroy(projection);
