@@ -154,7 +154,8 @@ static int run(pm__settings *settings)
         configure(settings, &parallel, &config);
         status = measure(settings, &config, &sinks, &error);
     }
-    return pm__conclude("accuracy", status, settings->quiet, "only the cases that were complete are there", &error);
+    return pm__conclude("accuracy", status, settings->quiet, "only the cases that were complete are there", NULL,
+                        &error);
 }
 
 static const pm__option *const options_taken[] = {

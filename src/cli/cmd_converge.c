@@ -365,7 +365,7 @@ static int run(pm__settings *settings)
         status = do_job(&w, &error);
     }
     int end = pm__conclude("converge", status, settings->quiet,
-                           "rows are of the trials that were complete, where there are two", &error);
+                           "rows are of the trials that were complete, where there are two", NULL, &error);
     if (status == PM_ECANCELED && !settings->quiet)
         pm__keep_part(&w.keep);
     if (w.keep.unreadable)

@@ -351,7 +351,7 @@ static int run(pm__settings *settings)
     }
     free_work(&w);
     return pm__conclude("render", status, settings->quiet, "images hold the samples that were complete, and say so",
-                        &error);
+                        NULL, &error);
 }
 
 static const pm__option *const options_taken[] = {

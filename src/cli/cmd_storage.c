@@ -279,7 +279,7 @@ static int run(pm__settings *settings)
     }
     free_work(&w);
     return pm__conclude("storage", status, settings->quiet,
-                        "rows are of the trials that were complete, where there are two", &error);
+                        "rows are of the trials that were complete, where there are two", NULL, &error);
 }
 
 static const pm__option *const options_taken[] = {

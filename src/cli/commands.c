@@ -61,8 +61,13 @@ int pm__exit_status(pm_status status)
     return PM__EXIT_OTHER;
 }
 
-int pm__conclude(const char *command, pm_status status, bool quiet, const char *interrupted, const pm_error *error)
+int pm__conclude(const char *command, pm_status status, bool quiet, const char *interrupted, const char *unheld,
+                 const pm_error *error)
 {
+    if (status == PM_OK && unheld) {
+        pm__complain(command, "%s", unheld);
+        return PM__EXIT_CHECK_FAILED;
+    }
     if (status == PM_ECANCELED && !quiet)
         pm__complain(command, "interrupted: %s", interrupted);
     else if (status != PM_OK && status != PM_ECANCELED)

@@ -62,8 +62,9 @@ void pm__complain(const char *command, const char *format, ...);
 int pm__exit_status(pm_status status);
 
 /* The same, at a command's end, which is said on standard error if it is an error or, not `quiet`, an interruption.
- * interrupted: what is there then. */
-int pm__conclude(const char *command, pm_status status, bool quiet, const char *interrupted, const pm_error *error);
+ * interrupted: what is there then. unheld: what to say of a check that failed; NULL: none did. */
+int pm__conclude(const char *command, pm_status status, bool quiet, const char *interrupted, const char *unheld,
+                 const pm_error *error);
 
 /* The exit status for one that reading input gave. */
 int pm__exit_status_of_input(pm_status status);

@@ -1,11 +1,11 @@
 /* A million updates of appm's radius, which grows and shrinks, against the same recursion in long double.
  *
  * In units of u = 2^-53, sums over i passes err by i each, and the squared radius is the cube root of sums of powers
- * over the Laplacian's square and the sum of weights: its own error is at most (1 + 2 + 1) i / 3, and the last digits of
- * what the passes add. What a pass adds to the powers goes as r^-2, to the Laplacian as r^-4, so that an error d of r^2
- * comes back as (-1 + 4) d / 3 = d, of the mean over passes weighted with their numbers: errors that grow as A i have a
- * mean of 2/3 A i, so A = 2/3 A + 4/3, A = 4; with the subtraction of the Laplacian's own variance, at most a quarter of
- * its square, a third more. Twice that is the bound, and 32 for the constants. */
+ * over the Laplacian's square and the sum of weights: its own error is at most (1 + 2 + 1) i / 3, and the last digits
+ * of what the passes add. What a pass adds to the powers goes as r^-2, to the Laplacian as r^-4, so that an error d of
+ * r^2 comes back as (-1 + 4) d / 3 = d, of the mean over passes weighted with their numbers: errors that grow as A i
+ * have a mean of 2/3 A i, so A = 2/3 A + 4/3, A = 4; with the subtraction of the Laplacian's own variance, at most a
+ * quarter of its square, a third more. Twice that is the bound, and 32 for the constants. */
 #include "test.h"
 
 #include "../methods/progressive/list.h"
