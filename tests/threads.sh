@@ -15,6 +15,7 @@ part() {
 
 for source in $(grep -l 'pm__parallel_for\|pthread_create' tests/unit/test_*.c); do
     name=$(basename "$source" .c)
+    [ "$name" != test_scene ] || continue # counts the process's threads, and the sanitizer has one of its own
     part "$build/tests/unit/$name"
 done
 run() {

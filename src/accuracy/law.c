@@ -61,9 +61,16 @@ static double log_density(size_t k, size_t photons, double y)
     return (double)k * y + (double)(photons - k) * log1p(-exp(y));
 }
 
+/* ln (n - 1)!. lgamma would write its sign to a global variable. */
+static double log_factorial_before(size_t n)
+{
+    int sign;
+    return lgamma_r((double)n, &sign);
+}
+
 static double log_constant(size_t k, size_t photons)
 {
-    return lgamma((double)photons + 1.0) - lgamma((double)k) - lgamma((double)(photons - k) + 1.0);
+    return log_factorial_before(photons + 1) - log_factorial_before(k) - log_factorial_before(photons - k + 1);
 }
 
 /* Where the density has fallen by e^-tail, from the mode in direction `sign`. */

@@ -30,13 +30,20 @@ static double beta_fraction(double a, double b, double x)
     return value;
 }
 
+/* x > 0. lgamma would write its sign to a global variable. */
+static double log_gamma(double x)
+{
+    int sign;
+    return lgamma_r(x, &sign);
+}
+
 double pm__beta_cdf(double a, double b, double x)
 {
     if (!(x > 0.0))
         return 0.0;
     if (x >= 1.0)
         return 1.0;
-    const double front = exp(a * log(x) + b * log1p(-x) + lgamma(a + b) - lgamma(a) - lgamma(b));
+    const double front = exp(a * log(x) + b * log1p(-x) + log_gamma(a + b) - log_gamma(a) - log_gamma(b));
     if (x < (a + 1.0) / (a + b + 2.0))
         return front * beta_fraction(a, b, x) / a;
     return 1.0 - front * beta_fraction(b, a, 1.0 - x) / b;
