@@ -101,7 +101,7 @@ static inline const pm__run *pm__run_program(const char *arguments)
 static inline const pm__run *pm__expect(const char *arguments, int status, const char *part)
 {
     const pm__run *const run = pm__run_program(arguments);
-    ck_assert_msg(run->status == status, "photonbench %s: status %d, not %d: %s", arguments, run->status, status,
+    ck_assert_msg(run->status == status, "photonbench %s: status %d, not %d: %.2000s", arguments, run->status, status,
                   run->err);
     if (part)
         ck_assert_msg(strstr(run->err, part) != NULL, "photonbench %s: '%.2000s' lacks '%s'", arguments, run->err,

@@ -128,21 +128,24 @@ static void number_text(double value, int digits, char out[24])
         (void)snprintf(out, 24, "-");
 }
 
-static int digits_of(double ms)
+/* So that no number is wide, however long another program held one of two up. */
+static int digits_of(double value)
 {
-    return ms < 9.995 ? 3 : ms < 99.95 ? 2 : ms < 999.5 ? 1 : 0;
+    return value < 9.995 ? 3 : value < 99.95 ? 2 : value < 999.5 ? 1 : 0;
 }
 
 static void print_row(FILE *file, const pm__speed_row *row)
 {
-    char scene[PM__MAX_SPEC], ms[24], base[24], ratio[24], promise[24], ci95[48] = "";
+    char scene[PM__MAX_SPEC], ms[24], base[24], ratio[24], promise[24], low[24], high[24], ci95[52] = "";
     pm__spec_format_short(&row->scene, scene, sizeof scene);
     number_text(1e3 * row->seconds, digits_of(1e3 * row->seconds), ms);
     number_text(1e3 * row->baseline_seconds, digits_of(1e3 * row->baseline_seconds), base);
-    number_text(row->ratio, 3, ratio);
+    number_text(row->ratio, digits_of(row->ratio), ratio);
     number_text(row->promise, 3, promise);
+    number_text(row->ratio_ci95.low, digits_of(row->ratio_ci95.low), low);
+    number_text(row->ratio_ci95.high, digits_of(row->ratio_ci95.high), high);
     if (isfinite(row->ratio_ci95.low))
-        (void)snprintf(ci95, sizeof ci95, "[%.3g, %.3g]", row->ratio_ci95.low, row->ratio_ci95.high);
+        (void)snprintf(ci95, sizeof ci95, "[%s, %s]", low, high);
     (void)fprintf(file, "  %-24.24s %-9s %9s %9s %7s  %-16s %7s  %s\n", scene, row->method ? row->method : "", ms,
                   base, ratio, ci95, promise, row->status);
     if (*row->detail) {

@@ -101,7 +101,7 @@ END_TEST
 START_TEST(nowhere_to_write)
 {
     static const char *const kept = "what was there before";
-    static const char *const places[] = {"/dev/null/file", "/proc/self/file", "/sys/file", "/nonexistent/file"};
+    static const char *const places[] = {"/dev/null/file", "/proc/self/file", "/proc/file", "/nonexistent/file"};
     set_up("file");
     for (size_t i = 0; i < WRITERS; i++) {
         char path[PM__TEST_PATH];
