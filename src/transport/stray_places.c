@@ -18,6 +18,7 @@ typedef struct meeting {
     pm__stray_places *places;
     bool by_importance;   /* the box is that of important photons, else of strays */
     pm__voxels voxels;
+    uint32_t *voxel;      /* of each photon of the stock */
     pm__reach *reach;
     float (*boxes)[2][3]; /* of pieces */
     size_t *starts;       /* of pieces: in what is below */
@@ -95,7 +96,7 @@ static void voxels_of_piece(void *argument, size_t piece)
     const pm__stock *const stock = &m->storage->stock;
     const size_t end = end_of(piece, stock->count);
     for (size_t i = piece * PIECE; i < end; i++)
-        pm__voxels_count(&m->voxels, stock->photons[i].position, stock->part[i]);
+        m->voxel[i] = pm__voxels_count(&m->voxels, stock->photons[i].position, stock->part[i]);
 }
 
 /* Strays of the stock that lie near important photons. */
@@ -113,7 +114,7 @@ static pm_status choose_strays(meeting *m)
     pm__reach_spread(m->reach);
     for (size_t i = 0; i < sender->place_count; i++) {
         const size_t place = sender->places[i];
-        if (!pm__reach_holds(&m->voxels, m->reach, stock->photons[place].position))
+        if (!pm__reach_holds(m->reach, m->voxel[place]))
             continue;
         pm__stray *const stray = &m->places->own[m->places->stray_count++];
         *stray = pm__stray_of(storage, &stock->photons[place], stock->normals[place], stock->part[place]);
@@ -139,7 +140,7 @@ static void choose_reach(meeting *m)
 
 static bool is_near(const meeting *m, size_t i)
 {
-    return i >= m->storage->settled && pm__reach_holds(&m->voxels, m->reach, m->storage->stock.photons[i].position);
+    return i >= m->storage->settled && pm__reach_holds(m->reach, m->voxel[i]);
 }
 
 static void count_near(void *argument, size_t piece)
@@ -192,8 +193,9 @@ static pm_status gather_near(meeting *m)
     float box[2][3];
     m->boxes = pm__alloc(pieces, sizeof *m->boxes);
     m->starts = pm__alloc(pieces, sizeof *m->starts);
+    m->voxel = pm__alloc(m->storage->stock.count, sizeof *m->voxel);
     m->reach = pm__alloc_zero(1, sizeof *m->reach);
-    if (!m->boxes || !m->starts || !m->reach)
+    if (!m->boxes || !m->starts || !m->voxel || !m->reach)
         return PM_ENOMEM;
     if (!find_box(m, box))
         return PM_OK;
@@ -290,6 +292,7 @@ static pm_status find(meeting *m)
         status = meet(m);
     pm__voxels_free(&m->voxels);
     pm_map_destroy(m->map);
+    free(m->voxel);
     free(m->reach);
     free(m->boxes);
     free(m->starts);

@@ -72,15 +72,16 @@ pm_status pm__voxels_create(const float low[3], const float high[3], pm__voxels 
     return PM_ENOMEM;
 }
 
-void pm__voxels_count(pm__voxels *v, const float position[3], bool seed)
+uint32_t pm__voxels_count(pm__voxels *v, const float position[3], bool seed)
 {
     size_t voxel[3];
     if (!voxel_of(v, position, voxel))
-        return;
+        return PM__OUTSIDE;
     const size_t at = at_level(voxel, 0);
     atomic_fetch_add_explicit(&v->counts[at], 1, memory_order_relaxed);
     if (seed)
         atomic_store_explicit(&v->seeds[at], 1, memory_order_relaxed);
+    return (uint32_t)at;
 }
 
 typedef struct gathering {
@@ -188,10 +189,4 @@ void pm__reach_spread(pm__reach *reach)
         for (size_t z = 0; z < side_of(level); z++)
             for (size_t y = 0; y < side_of(level); y++)
                 *row_at(reach, level, y, z) |= doubled(*row_at(reach, level + 1, y / 2, z / 2));
-}
-
-bool pm__reach_holds(const pm__voxels *v, const pm__reach *reach, const float position[3])
-{
-    size_t voxel[3];
-    return voxel_of(v, position, voxel) && (reach->rows[voxel[2] * SIDE + voxel[1]] >> voxel[0] & 1);
 }
