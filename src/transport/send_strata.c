@@ -240,6 +240,7 @@ static void release(pm__storage *s)
         return;
     pm__strata_free(&s->sender->strata);
     free(s->sender->strays);
+    free(s->sender->places);
     free(s->sender);
 }
 

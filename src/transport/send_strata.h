@@ -10,15 +10,18 @@
 typedef struct pm__stray {
     pm_photon photon; /* power: in units of the storage */
     float normal[3];
-    float load;       /* its power over that of a photon as it leaves that is sent evenly */
     bool important;
+    size_t parts;     /* so many are as even as others */
+    size_t place;     /* in the stock, if it is there */
 } pm__stray;
 
 typedef struct pm__sender {
     pm__strata strata;
     double heaviest; /* of the strata's loads */
-    pm__stray *strays;
+    pm__stray *strays; /* put aside, and those in the stock by their places */
     size_t stray_count, stray_room;
+    size_t *places;
+    size_t place_count, place_room;
 } pm__sender;
 
 /* Parameters `strata`, `tests`: a light's strata and trial photons of each at least. First whole lights are tried;

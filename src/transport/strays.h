@@ -8,16 +8,22 @@
 
 typedef pm_status (*pm__keep)(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken);
 
-/* Keeps arrivals, but for strays that came to important places, and where `everywhere` to others too: these are put
- * aside, unless `strays=keep`. */
-pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, bool everywhere,
-                              size_t *taken);
+/* Neither does anything with `strays=keep`, nor where all strata send about evenly. */
 
-/* Stores them. Where `split`, and config->stored is no end, those in important places and those near by, about
- * within the reach of a lookup of 50, are split: parts, at most 2.4 times as powerful as photons sent evenly, lie
- * each at another of its nearest of the same part whose side it came to; at those again where they are too few. Else
- * their power is given to as many stored photons, and they are stored where there are none. Flux: of each part, to
- * rounding. Cost: some 0.1 us for each photon that lies near important ones, 2 us a stray. */
-pm_status pm__place_strays(pm__storage *storage, bool split);
+/* Remembers which of the stock are strays, from photon `first` on. */
+pm_status pm__note_strays(pm__storage *storage, size_t first);
+
+/* Splits those in important places and those near by, about within the reach of a lookup of 50: parts, at most 2.4
+ * times as powerful as photons sent evenly, lie each at another of its nearest of the same part whose side it came to;
+ * at those again where they are too few. Flux: of each part, to rounding. Cost: some 20 ns a photon of the stock if
+ * there are any strays, 0.1 us for each photon near those that are split, 1 us for each of these. */
+pm_status pm__split_strays(pm__storage *storage);
+
+/* Keeps arrivals, but for strays that came to important places: these are put aside. */
+pm_status pm__keep_but_strays(pm__storage *storage, const pm__arrivals *arrivals, pm__keep keep, size_t *taken);
+
+/* Gives their power in parts to as many stored photons as pm__split_strays would split one into, which carry more
+ * then; they are stored where there are none. */
+pm_status pm__give_strays(pm__storage *storage);
 
 #endif

@@ -12,13 +12,13 @@ static pm_status begin(pm__storage *storage)
 
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
-    return pm__keep_but_strays(storage, arrivals, pm__keep_density.keep, false, taken);
+    return pm__keep_but_strays(storage, arrivals, pm__keep_density.keep, taken);
 }
 
 static pm_status end(pm__storage *storage, bool *unmet)
 {
     const pm_status status = pm__keep_density.end(storage, unmet);
-    return status == PM_OK ? pm__place_strays(storage, false) : status;
+    return status == PM_OK ? pm__give_strays(storage) : status;
 }
 
 static void release(pm__storage *storage)

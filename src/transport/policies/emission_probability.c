@@ -12,13 +12,13 @@ static pm_status begin(pm__storage *storage)
 
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
-    return pm__keep_but_strays(storage, arrivals, pm__keep_probability.keep, false, taken);
+    return pm__keep_but_strays(storage, arrivals, pm__keep_probability.keep, taken);
 }
 
 static pm_status end(pm__storage *storage, bool *unmet)
 {
     (void)unmet;
-    return pm__place_strays(storage, false);
+    return pm__give_strays(storage);
 }
 
 static void release(pm__storage *storage)
