@@ -157,7 +157,7 @@ $(BUILD)/obj/src/search/wide_avx512.o $(BUILD)/obj/src/search/grid_avx512.o: PM_
 endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
 # Looked into once for every photon that is stored or is not.
-$(patsubst %,$(BUILD)/obj/src/transport/%.o,cells plots density_decide): PM_EXTRA += -O3
+$(patsubst %,$(BUILD)/obj/src/transport/%.o,cells plots density_decide keep_density): PM_EXTRA += -O3
 BATCHES = $(patsubst %,$(BUILD)/obj/src/scene/batch_%.o,plain avx2 avx512)
 # Loops are to become SIMD (where clang cannot, it need not say so); nobody looks at floating-point exceptions.
 $(BATCHES): PM_EXTRA += -O3 -fopenmp-simd -fno-trapping-math -Wno-pass-failed

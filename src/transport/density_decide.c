@@ -202,8 +202,10 @@ static pm_status decide_run(pm__density *d, size_t piece, size_t shard, pm__dens
     uint16_t stored = 0;
     pm_status status = PM_OK;
     for (size_t i = begin; i < end && status == PM_OK && seekers[i].arrival < d->count; i++) {
-        if (i + AHEAD < end)
+        if (i + AHEAD < end) {
             pm__plot_prefetch(&d->plots.shards[shard], seekers[i + AHEAD].key);
+            __builtin_prefetch(&d->all->photons[d->begin + seekers[i + AHEAD].arrival]);
+        }
         status = decide(d, shard, &seekers[i], tally);
         stored = (uint16_t)(stored + seekers[i].is_stored);
     }

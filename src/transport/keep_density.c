@@ -316,24 +316,38 @@ static pm__plot *visit(const pm__density *d, size_t i, size_t end)
     return plot_of(d, i);
 }
 
+static bool waits(const pm__plot *plot)
+{
+    return plot->waiting[0] > 0.0 || plot->waiting[1] > 0.0 || plot->waiting[2] > 0.0;
+}
+
+/* Plots do not move any more: from here on a photon's key is where the plot is that gives to it, or 0. */
 static void count_takers(void *argument, size_t piece)
 {
     const pm__density *const d = argument;
     for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
         pm__plot *const plot = visit(d, i, end);
-        if (takes(plot, &d->storage->stock.photons[i]))
+        const bool is_given = waits(plot) && takes(plot, &d->storage->stock.photons[i]);
+        d->keys[i - d->before] = is_given ? (uint64_t)(uintptr_t)plot : 0;
+        if (is_given)
             atomic_fetch_add_explicit(&plot->takers, 1, memory_order_relaxed);
     }
 }
 
 static void hand_out(void *argument, size_t piece)
 {
+    enum { AHEAD = 16 };
     const pm__density *const d = argument;
     for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
-        pm_photon *const photon = &d->storage->stock.photons[i];
-        const pm__plot *const plot = visit(d, i, end);
-        for (int b = 0; b < 3 && takes(plot, photon); b++)
-            photon->power[b] = (float)((double)photon->power[b] + plot->waiting[b] / plot->takers);
+        const pm__plot *const plot = (const pm__plot *)(uintptr_t)d->keys[i - d->before];
+        float *const power = d->storage->stock.photons[i].power;
+        if (i + AHEAD < end)
+            __builtin_prefetch((const void *)(uintptr_t)d->keys[i + AHEAD - d->before]);
+        if (!plot)
+            continue;
+        const double takers = (double)plot->takers;
+        for (int b = 0; b < 3; b++)
+            power[b] = (float)((double)power[b] + plot->waiting[b] / takers);
     }
 }
 

@@ -15,7 +15,7 @@ enum { MOST_CELLS = 1 << (ACROSS_BITS - 1), ALONG_HALF = 1 << (ALONG_BITS - 1) }
 
 _Static_assert(ACROSS_BITS + ACROSS_BITS + ALONG_BITS == PM__PLOT_IMPORTANT_AT, "the key's bits");
 
-enum { FIRST_SIZE = 64 };
+enum { FIRST_SIZE = 512 };
 
 /* Levels above the usual one that can share a shard: a square of the last holds some 40 photons. */
 enum { MOST_COMMON = 1 };
