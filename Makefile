@@ -158,12 +158,13 @@ endif
 $(PROGRAM_OBJECTS) $(MAIN_OBJECT): PM_EXTRA = $(OPENMP)
 # Looked into once for every photon that is stored or is not.
 $(patsubst %,$(BUILD)/obj/src/transport/%.o,cells plots density_decide keep_density): PM_EXTRA += -O3
-BATCHES = $(patsubst %,$(BUILD)/obj/src/scene/batch_%.o,plain avx2 avx512)
+BATCHES = $(foreach loops,scene/batch transport/lanes,\
+    $(patsubst %,$(BUILD)/obj/src/$(loops)_%.o,plain avx2 avx512))
 # Loops are to become SIMD (where clang cannot, it need not say so); nobody looks at floating-point exceptions.
 $(BATCHES): PM_EXTRA += -O3 -fopenmp-simd -fno-trapping-math -Wno-pass-failed
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
-$(BUILD)/obj/src/scene/batch_avx2.o: PM_EXTRA += -mavx2
-$(BUILD)/obj/src/scene/batch_avx512.o: PM_EXTRA += -mavx512f -mavx512dq -mavx512vl -mavx512bw -mprefer-vector-width=512
+$(filter %_avx2.o,$(BATCHES)): PM_EXTRA += -mavx2
+$(filter %_avx512.o,$(BATCHES)): PM_EXTRA += -mavx512f -mavx512dq -mavx512vl -mavx512bw -mprefer-vector-width=512
 endif
 BUILD_FLAGS = $(subst ",,$(strip $(CFLAGS) -ffp-contract=off $(OPENMP)))
 $(BUILD)/obj/src/cli/machine.o: PM_EXTRA += -DPM_BUILD_FLAGS='"$(BUILD_FLAGS)"'
@@ -226,7 +227,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUI
 	$(call say,FUZZ,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(PM_CFLAGS) $(OPENMP) $(DEPENDENCIES) -MF $@.d $(LDFLAGS) -fsanitize=fuzzer $< $(BUILD)/program.a \
-	    $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -ljansson -lm -o $@
+	    $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng -ljansson -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d) $(FUZZERS:=.d)
 .PHONY: all lib program install uninstall clean demo run-demo bench run-bench \

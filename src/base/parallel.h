@@ -14,4 +14,15 @@ static inline void pm__for(const pm_parallel *parallel, size_t count, void (*tas
             task(argument, i);
 }
 
+/* So many things in pieces, of `size` each but the last: how many pieces, and the end of one of them, by number. */
+static inline size_t pm__pieces(size_t count, size_t size)
+{
+    return count / size + (count % size != 0);
+}
+
+static inline size_t pm__piece_end(size_t piece, size_t size, size_t count)
+{
+    return count - piece * size > size ? (piece + 1) * size : count;
+}
+
 #endif

@@ -216,9 +216,12 @@ static pm_status check(const work *w, pm_error *error)
     for (size_t i = 0; i < w->task.count; i++) {
         const pm__storage_wish wish = wish_of(w, i);
         pm_error reason = {""};
-        refused += pm__storage_check(&wish, &reason) != PM_OK;
-        if (!*error->text)
+        const pm_status status = pm__storage_check(&wish, &reason);
+        refused += status != PM_OK;
+        if (!*error->text || (status != PM_OK && status != PM_EINVAL))
             *error = reason;
+        if (status != PM_OK && status != PM_EINVAL) /* no memory is no reason to go on without the scene */
+            return status;
     }
     return refused == w->task.count ? PM_EINVAL : check_memory(w, error);
 }

@@ -4,6 +4,7 @@
 #include "cells.h"
 
 #include "cone.h"
+#include "lanes.h"
 #include "vicinity.h"
 
 #include "../base/memory.h"
@@ -18,12 +19,14 @@
 enum { LARGE, SMALL, LEVELS };
 enum { LARGER_BITS = 3, LARGER = 1 << LARGER_BITS, PROBES = 8 };
 enum { STEPS = PM__CONE_STEPS };
-enum { KEY_BITS = 19, HALF = 1 << (KEY_BITS - 1) }; /* cells on each side of the middle that keys tell apart */
+enum { KEY_BITS = PM__CELL_BITS, HALF = PM__CELL_HALF };
 
 /* Of a word: a tag of the cell, then its value and one, so that no word in use is 0. Values are floats without sign and
  * without the last bits of their mantissa, right to 2.4e-7. Place and tag together are 58 bits of the largest table:
  * that of a million cells any two are taken for one has a chance of 2e-6. */
 enum { VALUE_BITS = 28, CUT_BITS = 3 };
+
+_Static_assert(PM__CELLS_AT_ONCE == (int)PM__LANE_POINTS, "as many are looked at");
 
 /* Words of a line of the cache. */
 enum { LINE_BITS = 3, LINE = 1 << LINE_BITS };
@@ -43,26 +46,12 @@ struct pm__cells {
     const void *context;
     float reach2;          /* map units squared */
     pm__vicinity vicinity; /* where anything is within it */
-    double per_size;       /* of small cells */
+    pm__cell_frame frame;  /* of small cells */
+    const pm__lanes *lanes;
     table tables[LEVELS];
 };
 
-/* A point that is asked about. */
-typedef struct asked {
-    uint64_t mixed;   /* of the eight small cells that its own is of */
-    uint32_t cell[3]; /* small; counted from HALF below the middle */
-    uint32_t cone;
-    bool is_any;      /* false: not finite, or nothing is near */
-    bool is_far;      /* too far off to be counted */
-} asked;
-
 /* ---- Cells ------------------------------------------------------------------------------------- */
-
-static uint32_t cone_of(const float normal[3])
-{
-    const pm__cone cone = pm__cone_at(normal);
-    return pm__cone_number(&cone);
-}
 
 static void middle_of(uint32_t cone, float normal[3])
 {
@@ -77,31 +66,9 @@ static void middle_of(uint32_t cone, float normal[3])
         normal[i] = (float)n[i];
 }
 
-/* Of the cell's numbers, which are from 0 on, below 2 HALF. */
-static inline uint64_t key_of(const uint32_t cell[3], uint32_t cone)
-{
-    return ((((uint64_t)1 << KEY_BITS | cell[0]) << KEY_BITS | cell[1]) << KEY_BITS | cell[2]) << 6 | cone;
-}
-
-/* Eight cells that make a cube have one line of the cache, since who asks for one asks for others of it. */
-static inline uint64_t cube_of(const uint32_t cell[3], uint32_t cone)
-{
-    const uint32_t cube[3] = {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1};
-    return key_of(cube, cone);
-}
-
 static inline uint32_t corner_of(const uint32_t cell[3])
 {
     return (cell[0] & 1) << 2 | (cell[1] & 1) << 1 | (cell[2] & 1);
-}
-
-/* One for one: no two keys are mixed alike. */
-static uint64_t mix(uint64_t key)
-{
-    key *= 0x9e3779b97f4a7c15u;
-    key ^= key >> 32;
-    key *= 0xbf58476d1ce4e5b9u;
-    return key ^ key >> 29;
 }
 
 /* Where the eight stand. */
@@ -180,7 +147,8 @@ static uint32_t code_in(uint64_t word)
 static uint32_t look_up(pm__cells *cells, int level, const uint32_t cell[3], uint32_t cone)
 {
     const table *const t = &cells->tables[level];
-    const uint64_t key = key_of(cell, cone), mixed = mix(cube_of(cell, cone)), tag = tag_of(t, mixed);
+    const uint64_t key = pm__cell_key(cell[0], cell[1], cell[2], cone);
+    const uint64_t mixed = pm__cell_mixed(cell[0], cell[1], cell[2], cone), tag = tag_of(t, mixed);
     const size_t first = line_of(t, mixed) + corner_of(cell), mask = ((size_t)1 << t->bits) - 1;
     for (size_t i = 0; i < PROBES; i++) {
         _Atomic uint64_t *const at = &t->slots[(first + i * LINE) & mask];
@@ -198,68 +166,67 @@ static uint32_t look_up(pm__cells *cells, int level, const uint32_t cell[3], uin
 
 /* Small cells are asked only where the large one has said that something is near: what is known of one is the answer.
  * Eight of them along each axis are a large one, counted from the same middle. */
-static uint32_t answer(pm__cells *cells, const asked *point)
+static uint32_t answer_new(pm__cells *cells, const uint32_t cell[3], uint32_t cone)
 {
-    const table *const t = &cells->tables[SMALL];
-    const size_t slot = line_of(t, point->mixed) + corner_of(point->cell);
-    const uint64_t word = atomic_load_explicit(&t->slots[slot], memory_order_relaxed);
     uint32_t large[3];
-    if (word && word >> VALUE_BITS == tag_of(t, point->mixed))
-        return code_in(word);
     for (int axis = 0; axis < 3; axis++)
-        large[axis] = (point->cell[axis] >> LARGER_BITS) + HALF - (HALF >> LARGER_BITS);
-    const uint32_t code = look_up(cells, LARGE, large, point->cone);
-    return code == near_by ? look_up(cells, SMALL, point->cell, point->cone) : code;
+        large[axis] = (cell[axis] >> LARGER_BITS) + HALF - (HALF >> LARGER_BITS);
+    const uint32_t code = look_up(cells, LARGE, large, cone);
+    return code == near_by ? look_up(cells, SMALL, cell, cone) : code;
 }
 
 /* Far off each place is asked about for itself. */
-static uint32_t answer_far(pm__cells *cells, const float position[3], uint32_t cone)
+static uint32_t answer_far(pm__cells *cells, const pm__cell_points *points, size_t i)
 {
     float place[3];
     for (int axis = 0; axis < 3; axis++)
-        place[axis] = pm__in_frame(cells->map, axis, position[axis]);
-    return ask_map(cells, SMALL, place, cone);
+        place[axis] = pm__in_frame(cells->map, axis, points->position[axis][i]);
+    return ask_map(cells, SMALL, place, points->cone[i]);
+}
+
+static uint32_t answer(pm__cells *cells, const pm__cell_points *points, size_t i)
+{
+    const table *const t = &cells->tables[SMALL];
+    const uint32_t cell[3] = {points->cell[0][i], points->cell[1][i], points->cell[2][i]};
+    const uint64_t mixed = points->mixed[i];
+    const uint64_t word =
+        atomic_load_explicit(&t->slots[line_of(t, mixed) + corner_of(cell)], memory_order_relaxed);
+    if (points->is_far[i])
+        return answer_far(cells, points, i);
+    if (word && word >> VALUE_BITS == tag_of(t, mixed))
+        return code_in(word);
+    return answer_new(cells, cell, points->cone[i]);
 }
 
 /* ---- Points ------------------------------------------------------------------------------------ */
 
-static inline asked ask(const pm__cells *cells, const float position[3], const float normal[3])
+static void take_points(const float (*positions)[3], const float (*normals)[3], size_t count, pm__cell_points *points)
 {
-    const table *const t = &cells->tables[SMALL];
-    asked point = {.is_far = false};
-    float place[3], sum = 0.0f;
-    for (int i = 0; i < 3; i++) {
-        place[i] = pm__in_frame(cells->map, i, position[i]);
-        sum += fabsf(normal[i]);
-    }
-    point.is_any = sum > 0.0f && sum < INFINITY && isfinite(position[0] + position[1] + position[2]) &&
-                   pm__vicinity_holds(&cells->vicinity, place);
-    if (!point.is_any)
-        return point;
-    point.cone = cone_of(normal);
-    for (int i = 0; i < 3; i++) {
-        const double at = (double)place[i] * cells->per_size + HALF; /* above 0 what is cut off is the floor */
-        const bool is_in = at >= 0.0 && at < 2.0 * HALF;
-        point.is_far |= !is_in;
-        point.cell[i] = is_in ? (uint32_t)(int32_t)at : 0;
-    }
-    point.mixed = mix(cube_of(point.cell, point.cone));
-    __builtin_prefetch(&t->slots[line_of(t, point.mixed)]);
-    return point;
+    for (size_t i = 0; i < count; i++)
+        for (int a = 0; a < 3; a++) {
+            points->position[a][i] = positions[i][a];
+            points->normal[a][i] = normals[i][a];
+        }
+    for (int a = 0; a < 3; a++)
+        for (size_t i = count; i < PM__CELLS_AT_ONCE; i++)
+            points->position[a][i] = points->normal[a][i] = 0.0f;
 }
 
 /* Lines are fetched for all points before any is looked at. */
 void pm__cells_find(pm__cells *cells, const float (*positions)[3], const float (*normals)[3], size_t count,
                     float *values)
 {
-    asked points[PM__CELLS_AT_ONCE];
+    const table *const t = &cells->tables[SMALL];
+    const unsigned char *const marked = cells->vicinity.marked;
+    pm__cell_points points;
+    take_points(positions, normals, count, &points);
+    cells->lanes->cut_cells(&cells->frame, &points);
     for (size_t i = 0; i < count; i++)
-        points[i] = ask(cells, positions[i], normals[i]);
+        if (points.voxel[i] >= 0)
+            __builtin_prefetch(&t->slots[line_of(t, points.mixed[i])]);
     for (size_t i = 0; i < count; i++) {
-        const asked *const point = &points[i];
-        values[i] = value_of(!point->is_any ? 0
-                             : point->is_far ? answer_far(cells, positions[i], point->cone)
-                                             : answer(cells, point));
+        const bool is_any = points.voxel[i] >= 0 && (!marked || marked[points.voxel[i]]);
+        values[i] = value_of(is_any ? answer(cells, &points, i) : 0);
     }
 }
 
@@ -272,6 +239,19 @@ static pm_status create_table(double size, int bits, table *t)
     for (size_t i = 0; t->slots && i < slots; i++)
         atomic_init(&t->slots[i], 0);
     return t->slots ? PM_OK : PM_ENOMEM;
+}
+
+static void cut_space(pm__cells *cells, double size)
+{
+    const pm__vicinity *const vicinity = &cells->vicinity;
+    pm__cell_frame *const frame = &cells->frame;
+    *frame = (pm__cell_frame){.inverse_unit = cells->map->inverse_unit, .limit = pm__frame_limit,
+                              .per_edge = vicinity->per_edge, .per_size = (float)(1.0 / size)};
+    for (int axis = 0; axis < 3; axis++) {
+        frame->centre[axis] = cells->map->centre[axis];
+        frame->low[axis] = vicinity->low[axis];
+    }
+    cells->lanes = pm__lanes_choose();
 }
 
 pm_status pm__cells_create(const pm_map *map, double reach, double size, pm__cell_value value, const void *context,
@@ -290,18 +270,19 @@ pm_status pm__cells_create(const pm_map *map, double reach, double size, pm__cel
     made->map = map;
     made->value = value;
     made->context = context;
-    made->per_size = 1.0 / small;
     made->reach2 = (float)fmin(framed * framed, 1e37);
     pm_status status = pm__vicinity_create(map, sqrt((double)made->reach2), &made->vicinity);
     if (status == PM_OK)
         status = create_table(LARGER * small, bits - 2, &made->tables[LARGE]);
     if (status == PM_OK)
         status = create_table(small, bits, &made->tables[SMALL]);
-    if (status == PM_OK)
-        *cells = made;
-    else
+    if (status != PM_OK) {
         pm__cells_destroy(made);
-    return status;
+        return status;
+    }
+    cut_space(made, small);
+    *cells = made;
+    return PM_OK;
 }
 
 void pm__cells_destroy(pm__cells *cells)

@@ -16,15 +16,16 @@ typedef struct pm__density_rule {
 
 /* An arrival on its way to its plot. */
 typedef struct pm__seeker {
-    uint64_t key;
+    uint64_t key, beside;
     float wanted;                         /* photons, of the plot */
-    uint32_t arrival : 31, is_stored : 1; /* in the batch; what is decided */
-    float power[3], normal[3];
+    uint32_t arrival : 30; /* in the batch */
+    uint32_t is_stored : 1, takes : 1; /* what is decided; it is given of what waits */
+    float power[3], normal[3], direction[3];
     uint8_t at[2];                        /* in the plot's square */
 } pm__seeker;
 
 /* Arrivals that one thread prepares, or stores, at once; those of a batch, about. */
-enum { PM__DENSITY_PIECE = 1024, PM__DENSITY_BATCH = 128 * PM__DENSITY_PIECE };
+enum { PM__DENSITY_PIECE = 1024, PM__DENSITY_BATCH = 32 * PM__DENSITY_PIECE };
 
 /* What became of a batch's arrivals in important places: how many, and how many found less than is required. */
 typedef struct pm__density_tally {
@@ -40,7 +41,7 @@ typedef struct pm__density {
     pm__storage *storage;
     pm__density_rule rule;
     pm__plots plots;
-    uint64_t *keys;          /* of the plots of the stock's photons, from `before` on */
+    uint64_t *keys;          /* of the plots that give to the stock's photons, from `before` on; 0: none does */
     size_t before, keys_room;
     pm__seeker *seekers;     /* of the batch: by piece, in it by shard, and then in their order */
     pm__density_runs *runs;  /* by piece */

@@ -67,12 +67,12 @@ static void prepare_piece(void *argument, size_t piece)
     const size_t first = piece * PM__DENSITY_PIECE, count = pm__density_piece_end(d, piece) - first;
     uint16_t *const begin = d->runs[piece].begin;
     pm__plot_place places[PM__DENSITY_PIECE];
+    const bool is_even = d->rule.low == d->rule.high; /* required density is nowhere another */
     uint16_t ends[PM__PLOT_SHARDS] = {0}, sum = 0;
-    uint8_t shards[PM__DENSITY_PIECE];
     place_all(d, first, count, places);
     for (size_t i = 0; i < count; i++) {
-        shards[i] = (uint8_t)pm__plot_shard_of(&d->plots, places[i].key);
-        ends[shards[i]] = (uint16_t)(ends[shards[i]] + !is_aside(d, first + i));
+        const size_t s = places[i].shard;
+        ends[s] = (uint16_t)(ends[s] + !is_aside(d, first + i));
     }
     for (size_t s = 0; s < PM__PLOT_SHARDS; s++) {
         begin[s] = sum;
@@ -84,13 +84,15 @@ static void prepare_piece(void *argument, size_t piece)
         if (is_aside(d, first + i))
             continue;
         const size_t at = d->begin + first + i;
-        pm__seeker *const to = &d->seekers[first + ends[shards[i]]++];
+        pm__seeker *const to = &d->seekers[first + ends[places[i].shard]++];
         to->key = places[i].key;
+        to->beside = is_even ? 0 : places[i].beside;
         to->wanted = places[i].wanted;
         memcpy(to->at, places[i].at, sizeof to->at);
-        to->arrival = (uint32_t)(first + i) & 0x7fffffff;
+        to->arrival = (uint32_t)(first + i) & 0x3fffffff;
         memcpy(to->power, d->all->photons[at].power, sizeof to->power);
         memcpy(to->normal, d->all->normals[at], sizeof to->normal);
+        memcpy(to->direction, d->all->photons[at].direction, sizeof to->direction);
     }
 }
 
@@ -128,28 +130,24 @@ static bool is_by_chance(const pm__density *d, const pm__seeker *seeker, double 
 static bool is_stored(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, double s,
                       const double *light)
 {
-    if (!(dot(plot->steepest, seeker->normal) < 0.0f))
-        return true; /* nobody there, of that size, to take its power */
+    if (!plot->takers)
+        return true; /* nobody there to take its power */
     if (light)
         s *= criterion(d, seeker, *light / (double)pm__plot_filled(plot));
     return d->rule.cosine ? is_by_chance(d, seeker, s) : s < 1.0;
 }
 
-static pm_status store(pm__density *d, size_t shard, const pm__seeker *seeker, pm__plot *plot)
+static pm_status store(pm__density *d, size_t shard, pm__seeker *seeker, pm__plot *plot)
 {
-    const size_t at = d->begin + seeker->arrival;
-    const pm_photon *const photon = &d->all->photons[at];
-    if (dot(photon->direction, seeker->normal) < dot(plot->steepest, seeker->normal) || plot->stored == 0)
-        memcpy(plot->steepest, photon->direction, sizeof plot->steepest);
+    seeker->takes = dot(seeker->direction, plot->normal) < 0.0f;
+    plot->takers += seeker->takes;
     plot->stored++;
-    const uint64_t beside =
-        d->rule.low == d->rule.high ? 0
-                               : pm__plot_beside(&d->plots, photon->position, seeker->normal,
-                                                 pm__density_at(&d->rule, d->all->importance[at]), d->all->part[at]);
-    pm__plot *const other = beside ? pm__plot_add(&d->plots, shard, beside) : plot;
-    if (!other)
+    if (!seeker->beside)
+        return PM_OK;
+    pm__plot *const next = pm__plot_add(&d->plots, shard, seeker->beside);
+    if (!next)
         return PM_ENOMEM;
-    other->stored += other != plot;
+    next->stored++;
     return PM_OK;
 }
 
@@ -161,20 +159,21 @@ static void wait(const pm__seeker *seeker, pm__plot *plot)
 
 static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__density_tally *tally)
 {
-    pm__plot *plot = pm__plot_find(&d->plots.shards[shard], seeker->key);
-    if (!plot->key)
-        plot = pm__plot_add(&d->plots, shard, seeker->key);
+    pm__plot *const plot = pm__plot_add(&d->plots, shard, seeker->key);
     if (!plot)
         return PM_ENOMEM;
     const pm__plot_shard *const own = &d->plots.shards[shard];
     double *const light = own->light ? &own->light[plot - own->plots] : NULL;
     const bool matters = !d->all->importance || pm__plot_is_important(seeker->key);
+    if (plot->came == 0)
+        memcpy(plot->normal, seeker->normal, sizeof plot->normal);
     pm__plot_meet(plot, seeker->wanted, seeker->at);
     const bool asks = d->rule.cosine || light || !pm__plot_is_full(plot);
     const double s = asks ? (double)plot->stored / (double)pm__plot_wanted(plot) : 1.0;
     tally->arrived += matters;
     tally->lacking += matters && s < 1.0;
     seeker->is_stored = is_stored(d, seeker, plot, s, light);
+    seeker->takes = false;
     if (light)
         *light += (double)seeker->power[0] + (double)seeker->power[1] + (double)seeker->power[2];
     if (seeker->is_stored)
@@ -186,12 +185,19 @@ static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__de
 /* Fetched while those before them are decided. */
 enum { AHEAD = 12 };
 
+static void fetch(const pm__density *d, size_t shard, const pm__seeker *seeker)
+{
+    pm__plot_prefetch(&d->plots.shards[shard], seeker->key);
+    if (seeker->beside)
+        pm__plot_prefetch(&d->plots.shards[shard], seeker->beside);
+}
+
 static void fetch_run(const pm__density *d, size_t piece, size_t shard)
 {
     const pm__density_runs *const runs = &d->runs[piece];
     const pm__seeker *const seekers = d->seekers + piece * PM__DENSITY_PIECE;
     for (size_t i = runs->begin[shard]; i < runs->begin[shard + 1] && i < runs->begin[shard] + (size_t)AHEAD; i++)
-        pm__plot_prefetch(&d->plots.shards[shard], seekers[i].key);
+        fetch(d, shard, &seekers[i]);
 }
 
 static pm_status decide_run(pm__density *d, size_t piece, size_t shard, pm__density_tally *tally)
@@ -202,10 +208,8 @@ static pm_status decide_run(pm__density *d, size_t piece, size_t shard, pm__dens
     uint16_t stored = 0;
     pm_status status = PM_OK;
     for (size_t i = begin; i < end && status == PM_OK && seekers[i].arrival < d->count; i++) {
-        if (i + AHEAD < end) {
-            pm__plot_prefetch(&d->plots.shards[shard], seekers[i + AHEAD].key);
-            __builtin_prefetch(&d->all->photons[d->begin + seekers[i + AHEAD].arrival]);
-        }
+        if (i + AHEAD < end)
+            fetch(d, shard, &seekers[i + AHEAD]);
         status = decide(d, shard, &seekers[i], tally);
         stored = (uint16_t)(stored + seekers[i].is_stored);
     }

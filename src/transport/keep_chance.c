@@ -29,16 +29,6 @@ float pm__chance_factor(const pm__storage *storage, const pm__arrivals *arrivals
     return u[0] < chance ? (float)(1.0 / chance) : 0.0f;
 }
 
-static size_t pieces_of(size_t count)
-{
-    return (count + PIECE - 1) / PIECE;
-}
-
-static size_t end_of(size_t piece, size_t count)
-{
-    return (piece + 1) * PIECE < count ? (piece + 1) * PIECE : count;
-}
-
 /* ---- Deciding ----------------------------------------------------------------------------------- */
 
 static float draw(const drawing *d, size_t i)
@@ -51,7 +41,7 @@ static float draw(const drawing *d, size_t i)
 static void draw_piece(void *argument, size_t piece)
 {
     const drawing *const d = argument;
-    const size_t end = end_of(piece, d->arrivals->count);
+    const size_t end = pm__piece_end(piece, PIECE, d->arrivals->count);
     size_t kept = 0;
     for (size_t i = piece * PIECE; i < end; i++) {
         d->factors[i] = draw(d, i);
@@ -62,8 +52,8 @@ static void draw_piece(void *argument, size_t piece)
 
 static void count_all(const drawing *d)
 {
-    for (size_t piece = 0; piece < pieces_of(d->arrivals->count); piece++)
-        d->starts[piece] = end_of(piece, d->arrivals->count) - piece * PIECE;
+    for (size_t piece = 0; piece < pm__pieces(d->arrivals->count, PIECE); piece++)
+        d->starts[piece] = pm__piece_end(piece, PIECE, d->arrivals->count) - piece * PIECE;
 }
 
 /* Where storing may end with these arrivals: by how many does it? */
@@ -91,7 +81,7 @@ static void store_piece(void *argument, size_t piece)
 {
     const drawing *const d = argument;
     const pm__arrivals *const a = d->arrivals;
-    const size_t end = end_of(piece, d->taken);
+    const size_t end = pm__piece_end(piece, PIECE, d->taken);
     size_t at = d->starts[piece];
     for (size_t i = piece * PIECE; i < end; i++) {
         const float factor = d->factors ? d->factors[i] : 1.0f;
@@ -108,7 +98,7 @@ static void store_piece(void *argument, size_t piece)
 static pm_status store_all(drawing *d)
 {
     pm__stock *const stock = &d->storage->stock;
-    const size_t pieces = pieces_of(d->arrivals->count), taken = pieces_of(d->taken);
+    const size_t pieces = pm__pieces(d->arrivals->count, PIECE), taken = pm__pieces(d->taken, PIECE);
     size_t sum = stock->count;
     for (size_t piece = 0; piece < pieces; piece++) {
         const size_t kept = d->starts[piece];
@@ -124,7 +114,7 @@ static pm_status store_all(drawing *d)
 
 pm_status pm__keep_by_chance(pm__storage *storage, const pm__arrivals *arrivals, pm__chance chance, size_t *taken)
 {
-    const size_t pieces = pieces_of(arrivals->count);
+    const size_t pieces = pm__pieces(arrivals->count, PIECE);
     const bool draws = chance || arrivals->aside;
     drawing d = {.storage = storage, .arrivals = arrivals, .chance = chance};
     d.starts = pm__alloc(pieces, sizeof *d.starts);

@@ -102,7 +102,7 @@ static void store_piece(void *argument, size_t piece)
             if (!seekers[i].is_stored)
                 continue;
             chosen[at / WORD] |= (uint64_t)1 << at % WORD;
-            keys[at] = seekers[i].key;
+            keys[at] = seekers[i].takes ? seekers[i].key : 0;
             left--;
         }
     for (size_t w = 0, to = d->starts[piece]; w < WORDS; w++)
@@ -286,17 +286,9 @@ static pm_status begin(pm__storage *storage)
     return pm__plots_init(&d->plots, d->rule.neighbors, usual, least, low, across, d->rule.power > 0);
 }
 
-static pm__plot *plot_of(const pm__density *d, size_t i)
+static const pm__plot *plot_of(const pm__density *d, uint64_t key)
 {
-    const uint64_t key = d->keys[i - d->before];
     return pm__plot_find(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
-}
-
-/* Only what faces the plot is given of its power; one that faced each of those whose power waits is so anyway. */
-static bool takes(const pm__plot *plot, const pm_photon *photon)
-{
-    return pm__plot_faces(plot->key, photon->direction) ||
-           !memcmp(photon->direction, plot->steepest, sizeof plot->steepest);
 }
 
 static size_t stock_end(const pm__density *d, size_t piece)
@@ -305,49 +297,21 @@ static size_t stock_end(const pm__density *d, size_t piece)
     return end < d->storage->stock.count ? end : d->storage->stock.count;
 }
 
-/* Photon i's plot; fetches that of one to come. */
-static pm__plot *visit(const pm__density *d, size_t i, size_t end)
-{
-    enum { AHEAD = 16 };
-    if (i + AHEAD < end) {
-        const uint64_t key = d->keys[i + AHEAD - d->before];
-        pm__plot_prefetch(&d->plots.shards[pm__plot_shard_of(&d->plots, key)], key);
-    }
-    return plot_of(d, i);
-}
-
-static bool waits(const pm__plot *plot)
-{
-    return plot->waiting[0] > 0.0 || plot->waiting[1] > 0.0 || plot->waiting[2] > 0.0;
-}
-
-/* Plots do not move any more: from here on a photon's key is where the plot is that gives to it, or 0. */
-static void count_takers(void *argument, size_t piece)
-{
-    const pm__density *const d = argument;
-    for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
-        pm__plot *const plot = visit(d, i, end);
-        const bool is_given = waits(plot) && takes(plot, &d->storage->stock.photons[i]);
-        d->keys[i - d->before] = is_given ? (uint64_t)(uintptr_t)plot : 0;
-        if (is_given)
-            atomic_fetch_add_explicit(&plot->takers, 1, memory_order_relaxed);
-    }
-}
-
+/* Its plot gives to each alike. */
 static void hand_out(void *argument, size_t piece)
 {
     enum { AHEAD = 16 };
     const pm__density *const d = argument;
     for (size_t i = d->before + piece * PM__DENSITY_PIECE, end = stock_end(d, piece); i < end; i++) {
-        const pm__plot *const plot = (const pm__plot *)(uintptr_t)d->keys[i - d->before];
-        float *const power = d->storage->stock.photons[i].power;
-        if (i + AHEAD < end)
-            __builtin_prefetch((const void *)(uintptr_t)d->keys[i + AHEAD - d->before]);
-        if (!plot)
+        const uint64_t key = d->keys[i - d->before], to_come = i + AHEAD < end ? d->keys[i + AHEAD - d->before] : 0;
+        if (to_come)
+            pm__plot_prefetch(&d->plots.shards[pm__plot_shard_of(&d->plots, to_come)], to_come);
+        if (!key)
             continue;
-        const double takers = (double)plot->takers;
+        const pm__plot *const plot = plot_of(d, key);
+        float *const power = d->storage->stock.photons[i].power;
         for (int b = 0; b < 3; b++)
-            power[b] = (float)((double)power[b] + plot->waiting[b] / takers);
+            power[b] = (float)((double)power[b] + plot->waiting[b] / (double)plot->takers);
     }
 }
 
@@ -369,7 +333,6 @@ static pm_status end(pm__storage *storage, bool *unmet)
     keeper *const k = storage->own;
     pm__density *const d = &k->density;
     const size_t pieces = pm__density_pieces(storage->stock.count - d->before);
-    pm__for(storage->config->parallel, pieces, count_takers, d);
     pm__for(storage->config->parallel, pieces, hand_out, d);
     *unmet = is_unmet(k);
     return PM_OK;

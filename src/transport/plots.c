@@ -7,24 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A key: level, class, importance, then the cell: along the two axes across, and along the class. */
-enum { LEVEL_BITS = 4, CONE_BITS = 6, ACROSS_BITS = 17, ALONG_BITS = 19 };
-
 /* Cells on each axis, so that numbers never overlap. */
-enum { MOST_CELLS = 1 << (ACROSS_BITS - 1), ALONG_HALF = 1 << (ALONG_BITS - 1) };
-
-_Static_assert(ACROSS_BITS + ACROSS_BITS + ALONG_BITS == PM__PLOT_IMPORTANT_AT, "the key's bits");
+enum { MOST_CELLS = 1 << (PM__PLOT_ACROSS_BITS - 1) };
 
 enum { FIRST_SIZE = 512 };
 
 /* Levels above the usual one that can share a shard: a square of the last holds some 40 photons. */
 enum { MOST_COMMON = 1 };
-
-/* In the middle of a level: required densities there are another's only by more than this factor. */
-static const float middle = 1.2f;
-
-/* Of the photons wanted: what is rounded shall not ask for one more. */
-static const float less = 1.0f - 1e-5f;
 
 /* ---- Places ------------------------------------------------------------------------------------- */
 
@@ -43,15 +32,15 @@ static pm_status create_shards(pm__plots *plots)
 
 /* From half of the usual density up to twice it the usual level, then one for each factor of four. fill: how much of
  * the density in the middle of the level it is, in [1/2, 2) for levels that there are. */
-static inline int level_of(const pm__plots *plots, float required, float *fill)
+static int level_of(const pm__plot_frame *f, float required, float *fill)
 {
-    const float ratio = required / plots->usual;
+    const float ratio = required / f->usual;
     uint32_t bits;
     memcpy(&bits, &ratio, sizeof bits);
     const int above = ((int)(bits >> 23) - 126) >> 1, level = PM__PLOT_USUAL - above;
     bits -= (uint32_t)(2 * above) << 23;
     memcpy(fill, &bits, sizeof *fill);
-    return level < plots->least ? plots->least : level > plots->most ? plots->most : level;
+    return level < f->least ? f->least : level > f->most ? f->most : level;
 }
 
 /* The level of the usual density is that in the middle; other levels only while cells can be told apart, and are no
@@ -61,99 +50,72 @@ pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, doubl
 {
     const double finest = across / MOST_CELLS;
     const double edge = fmax(finest, fmin(sqrt(0.5 * neighbors / usual), across));
+    pm__plot_frame *const f = &plots->frame;
     float fill;
-    *plots = (pm__plots){.usual = (float)usual, .lit = lit};
-    plots->least = plots->most = PM__PLOT_USUAL;
+    *plots = (pm__plots){.lanes = pm__lanes_choose(), .lit = lit};
+    *f = (pm__plot_frame){.per_edge = (float)(1.0 / edge), .area = (float)(edge * edge), .usual = (float)usual,
+                          .least = PM__PLOT_USUAL, .most = PM__PLOT_USUAL};
     for (int a = 0; a < 3; a++)
-        plots->low[a] = (float)low[a];
+        f->low[a] = (float)low[a];
     for (int level = 0; level < PM__PLOT_LEVELS; level++) {
         const double own = ldexp(edge, level - PM__PLOT_USUAL);
-        plots->per_edge[level] = (float)(1.0 / own);
-        plots->area[level] = (float)(own * own);
-        plots->least -= level < PM__PLOT_USUAL && own >= finest;
-        plots->most += level > PM__PLOT_USUAL && own <= 2.0 * across;
+        f->least -= level < PM__PLOT_USUAL && own >= finest;
+        f->most += level > PM__PLOT_USUAL && own <= 2.0 * across;
     }
-    plots->common = level_of(plots, (float)least, &fill);
-    if (plots->common > PM__PLOT_USUAL + MOST_COMMON)
-        plots->common = PM__PLOT_USUAL + MOST_COMMON;
-    plots->offset = (float)(ldexp(edge, plots->common - PM__PLOT_USUAL) / 3.0);
+    f->common = level_of(f, (float)least, &fill);
+    if (f->common > PM__PLOT_USUAL + MOST_COMMON)
+        f->common = PM__PLOT_USUAL + MOST_COMMON;
+    f->offset = (float)(ldexp(edge, f->common - PM__PLOT_USUAL) / 3.0);
     return create_shards(plots);
 }
 
-/* In [0, most]. */
-static inline float bounded(float x, float most)
+static void take_points(const pm_photon *photons, const float (*normals)[3], const float *required,
+                        const unsigned char *important, size_t count, pm__plot_points *points)
 {
-    return x > 0.0f ? x < most ? x : most : 0.0f;
-}
-
-static inline __attribute__((always_inline)) pm__plot_place place_at(const pm__plots *plots, const float position[3],
-                                                                     const pm__cone *cone, int level, bool important)
-{
-    static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
-    static const float most = 2.0f * MOST_CELLS - 1.0f;
-    const int u = (cone->axis + 1) % 3, v = (cone->axis + 2) % 3;
-    const float scale = plots->per_edge[level], offset = plots->offset * scale;
-    const float w = (position[cone->axis] - plots->low[cone->axis]) * scale;
-    const float x = (position[u] - plots->low[u]) * scale, y = (position[v] - plots->low[v]) * scale;
-    const float along = (cone->face & 1 ? -w : w) + slope[cone->u] * x + slope[cone->v] * y;
-    const float in[2] = {bounded(x + offset, most), bounded(y + offset, most)};
-    const uint64_t cells[2] = {(uint64_t)(int64_t)in[0], (uint64_t)(int64_t)in[1]};
-    pm__plot_place place = {.area = plots->area[level]};
-    place.key = (uint64_t)level << CONE_BITS | (pm__cone_number(cone) + 1);
-    place.key = place.key << 1 | important;
-    for (int i = 0; i < 2; i++) {
-        place.key = place.key << ACROSS_BITS | cells[i];
-        place.at[i] = (uint8_t)(int)((in[i] - (float)cells[i]) * 256.0f);
+    for (size_t i = 0; i < count; i++) {
+        for (int a = 0; a < 3; a++) {
+            points->position[a][i] = photons[i].position[a];
+            points->normal[a][i] = normals[i][a];
+        }
+        points->required[i] = required[i];
+        points->important[i] = important[i];
     }
-    place.key = place.key << ALONG_BITS |
-                (uint64_t)(int64_t)bounded(along + offset + (float)ALONG_HALF, 2.0f * ALONG_HALF - 1.0f);
-    return place;
-}
-
-/* By the square of the common level that it lies in, or its own if that is larger. */
-size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key)
-{
-    const uint64_t across = ((uint64_t)1 << ACROSS_BITS) - 1;
-    const int level = (int)(key >> (64 - LEVEL_BITS)), up = level < plots->common ? plots->common - level : 0;
-    const uint64_t x = (key >> (ACROSS_BITS + ALONG_BITS) & across) >> up, y = (key >> ALONG_BITS & across) >> up;
-    return (size_t)(pm__plot_hash(x << 32 | y << 8 | (key >> PM__PLOT_IMPORTANT_AT & 0x7e)) >>
-                    (64 - PM__PLOT_SHARD_BITS));
+    for (size_t i = count; i < PM__LANE_POINTS; i++) {
+        for (int a = 0; a < 3; a++)
+            points->position[a][i] = points->normal[a][i] = 0.0f;
+        points->required[i] = 1.0f;
+        points->important[i] = 0;
+    }
 }
 
 void pm__plots_place(const pm__plots *plots, const pm_photon *photons, const float (*normals)[3],
                      const float *required, const unsigned char *important, size_t count, pm__plot_place *places)
 {
-    for (size_t i = 0; i < count; i++) {
-        const pm__cone cone = pm__cone_at(normals[i]);
-        float fill;
-        const int level = level_of(plots, required[i], &fill);
-        places[i] = place_at(plots, photons[i].position, &cone, level, important[i]);
-        places[i].area /= fabsf(normals[i][cone.axis]);
-        places[i].wanted = required[i] * places[i].area * less;
+    pm__plot_points points;
+    for (size_t first = 0; first < count; first += PM__LANE_POINTS) {
+        const size_t rest = count - first, some = rest < PM__LANE_POINTS ? rest : PM__LANE_POINTS;
+        take_points(photons + first, normals + first, required + first, important + first, some, &points);
+        plots->lanes->cut_plots(&plots->frame, &points);
+        for (size_t i = 0; i < some; i++)
+            places[first + i] = (pm__plot_place){.key = points.key[i],
+                                                 .beside = points.beside[i],
+                                                 .wanted = points.wanted[i],
+                                                 .area = points.area[i],
+                                                 .at = {(uint8_t)points.at[0][i], (uint8_t)points.at[1][i]},
+                                                 .shard = (uint8_t)points.shard[i]};
     }
 }
 
-/* Only in one of the same shard. */
-uint64_t pm__plot_beside(const pm__plots *plots, const float position[3], const float normal[3], float required,
-                         bool important)
+/* By the square of the common level that it lies in, or its own if that is larger. */
+size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key)
 {
-    float fill;
-    const int level = level_of(plots, required, &fill), beside = fill > 1.0f ? level - 1 : level + 1;
-    if (beside < plots->least || beside > plots->common || level > plots->common ||
-        (fill < middle && fill * middle > 1.0f))
-        return 0;
-    const pm__cone cone = pm__cone_at(normal);
-    return place_at(plots, position, &cone, beside, important).key;
-}
-
-bool pm__plot_faces(uint64_t key, const float direction[3])
-{
-    static const float slope[PM__CONE_STEPS] = {-2.0f / PM__CONE_STEPS, 0.0f, 2.0f / PM__CONE_STEPS};
-    const uint32_t cone = (uint32_t)(key >> (PM__PLOT_IMPORTANT_AT + 1) & ((1 << CONE_BITS) - 1)) - 1;
-    const uint32_t face = cone / (PM__CONE_STEPS * PM__CONE_STEPS), axis = face / 2;
-    const float along = face & 1 ? -direction[axis] : direction[axis];
-    return along + slope[cone / PM__CONE_STEPS % PM__CONE_STEPS] * direction[(axis + 1) % 3] +
-               slope[cone % PM__CONE_STEPS] * direction[(axis + 2) % 3] < 0.0f;
+    const uint64_t across = ((uint64_t)1 << PM__PLOT_ACROSS_BITS) - 1;
+    const int level = (int)(key >> (64 - PM__PLOT_LEVEL_BITS)), common = plots->frame.common;
+    const int up = level < common ? common - level : 0;
+    const uint64_t x = (key >> (PM__PLOT_ACROSS_BITS + PM__PLOT_ALONG_BITS) & across) >> up;
+    const uint64_t y = (key >> PM__PLOT_ALONG_BITS & across) >> up;
+    return (size_t)(pm__plot_hash(x << 32 | y << 8 | (key >> PM__PLOT_IMPORTANT_AT & 0x7e)) >>
+                    (64 - PM__PLOT_SHARD_BITS));
 }
 
 /* ---- Tables ------------------------------------------------------------------------------------- */
@@ -183,13 +145,16 @@ static pm_status enlarge(pm__plot_shard *shard)
 pm__plot *pm__plot_add(pm__plots *plots, size_t number, uint64_t key)
 {
     pm__plot_shard *const shard = &plots->shards[number];
-    if (2 * (shard->count + 1) > shard->size && enlarge(shard))
-        return NULL;
-    pm__plot *const plot = pm__plot_find(shard, key);
-    if (!plot->key) {
-        shard->count++;
-        *plot = (pm__plot){.key = key, .box = {UINT8_MAX, 0, UINT8_MAX, 0}};
+    pm__plot *plot = pm__plot_find(shard, key);
+    if (plot->key)
+        return plot;
+    if (2 * (shard->count + 1) > shard->size) {
+        if (enlarge(shard))
+            return NULL;
+        plot = pm__plot_find(shard, key);
     }
+    shard->count++;
+    *plot = (pm__plot){.key = key, .box = {UINT8_MAX, 0, UINT8_MAX, 0}};
     return plot;
 }
 

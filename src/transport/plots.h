@@ -12,19 +12,19 @@
 #define PM_TRANSPORT_PLOTS_H
 
 #include "../photonmap.h"
+#include "lanes.h"
 
-#include <stdatomic.h>
 #include <stdbool.h>
 
 /* One line of the cache. */
 typedef struct pm__plot {
     uint64_t key;            /* 0: there is none */
     double waiting[3];       /* power of photons that are not stored */
-    float steepest[3];       /* direction of one that is stored: as steep as any, about */
+    float normal[3];         /* of the first that came: those of its own that face it are given what waits */
     float wanted;            /* photons required, added up over those that came */
     uint32_t came;
     uint32_t stored;         /* photons, those of other sizes too */
-    _Atomic uint32_t takers; /* of its own, those that are given what waits */
+    uint32_t takers;         /* of its own that are stored, those that are given what waits */
     uint8_t box[4];          /* of those that came, 256ths of the square: least and most along either axis */
 } pm__plot;
 
@@ -35,27 +35,21 @@ typedef struct pm__plot_shard {
     double *light;      /* power of all that came there, by plot; NULL: nobody asks for it */
 } pm__plot_shard;
 
-enum { PM__PLOT_SHARD_BITS = 5, PM__PLOT_SHARDS = 1 << PM__PLOT_SHARD_BITS };
-enum { PM__PLOT_LEVELS = 16, PM__PLOT_USUAL = 8 };
-
 typedef struct pm__plots {
-    float low[3];                            /* m: a corner of the scene */
-    float per_edge[PM__PLOT_LEVELS];         /* 1/m */
-    float area[PM__PLOT_LEVELS];             /* m2: of a square */
-    float offset;                            /* m: of all squares */
-    int least, most;                         /* levels that are used */
-    int common;                              /* plots in one square of this level are of one shard */
-    float usual;                             /* 1/m2 */
-    bool lit;                                /* light is asked for */
+    pm__plot_frame frame;
+    const pm__lanes *lanes;
+    bool lit;                              /* light is asked for */
     pm__plot_shard shards[PM__PLOT_SHARDS];
 } pm__plots;
 
 /* Where a photon comes to. */
 typedef struct pm__plot_place {
     uint64_t key;
+    uint64_t beside; /* key of the plot there of another size, the next that the photon is to be counted in; 0: none */
     float wanted;  /* photons required of a plot like this */
     float area;    /* m2 of it */
     uint8_t at[2]; /* in the square, 256ths of its edge */
+    uint8_t shard;
 } pm__plot_place;
 
 /* neighbors: M; usual: 1/m2, a density that is required, > 0: of its plots half of M are; least: the least that is;
@@ -71,10 +65,6 @@ void pm__plots_free(pm__plots *plots);
  * crossed all over. */
 void pm__plots_place(const pm__plots *plots, const pm_photon *photons, const float (*normals)[3],
                      const float *required, const unsigned char *important, size_t count, pm__plot_place *places);
-
-/* The key of the plot there of another size, the next that a photon is to be counted in; 0: in none. */
-uint64_t pm__plot_beside(const pm__plots *plots, const float position[3], const float normal[3], float required,
-                         bool important);
 
 /* A photon came to the plot, which is not free. */
 static inline void pm__plot_meet(pm__plot *plot, float wanted, const uint8_t at[2])
@@ -109,23 +99,9 @@ static inline bool pm__plot_is_full(const pm__plot *plot)
     return (float)plot->stored * (float)plot->came >= plot->wanted;
 }
 
-enum { PM__PLOT_IMPORTANT_AT = 53 }; /* the key's bit */
-
-/* Does the direction face the middle of the class that normals are of? */
-bool pm__plot_faces(uint64_t key, const float direction[3]);
-
 static inline bool pm__plot_is_important(uint64_t key)
 {
     return key >> PM__PLOT_IMPORTANT_AT & 1;
-}
-
-/* All bits depend on all of the key's. */
-static inline uint64_t pm__plot_hash(uint64_t key)
-{
-    key *= 0x9e3779b97f4a7c15u;
-    key ^= key >> 32;
-    key *= 0xbf58476d1ce4e5b9u;
-    return key ^ key >> 29;
 }
 
 /* Fetches what the next two would look at. */

@@ -45,21 +45,11 @@ typedef struct settling {
     _Atomic bool too_large; /* a photon that no float holds */
 } settling;
 
-static size_t pieces_of(size_t count)
-{
-    return (count + PIECE - 1) / PIECE;
-}
-
-static size_t end_of(size_t piece, size_t count)
-{
-    return (piece + 1) * PIECE < count ? (piece + 1) * PIECE : count;
-}
-
 static void read_piece(void *argument, size_t piece)
 {
     settling *const s = argument;
     const pm__harvest *const h = s->h;
-    const size_t begin = piece * PIECE, end = end_of(piece, h->count);
+    const size_t begin = piece * PIECE, end = pm__piece_end(piece, PIECE, h->count);
     size_t longer = 0;
     for (size_t i = begin; i < end; i++)
         longer += (h->marks[i] & PM__FIRST_OF_PATH) && (h->marks[i] & PM__PATH_LENGTH) > s->over;
@@ -96,7 +86,7 @@ static bool settle(const settling *s, size_t from, size_t to)
 static void settle_piece(void *argument, size_t piece)
 {
     settling *const s = argument;
-    const size_t end = end_of(piece, s->h->count - s->over);
+    const size_t end = pm__piece_end(piece, PIECE, s->h->count - s->over);
     for (size_t to = piece * PIECE, skipped = 0; to < end; to++) {
         while (skipped < s->over && s->dropped[skipped] <= to + skipped)
             skipped++;
@@ -107,7 +97,7 @@ static void settle_piece(void *argument, size_t piece)
 
 static pm_status settle_all(const pm__shoot_config *config, settling *s, pm_error *error)
 {
-    pm__for(config->parallel, pieces_of(s->h->count - s->over), settle_piece, s);
+    pm__for(config->parallel, pm__pieces(s->h->count - s->over, PIECE), settle_piece, s);
     if (s->too_large)
         return pm__fail(error, PM_EINVAL, "a photon has more W than a float holds");
     s->h->count -= s->over;
@@ -147,7 +137,7 @@ static void choose_dropped(const pm__shoot_config *config, size_t count, size_t 
 
 pm_status pm__share_wanted(const pm__shoot_config *config, pm__harvest *harvest, double power, pm_error *error)
 {
-    const size_t pieces = pieces_of(harvest->count), over = harvest->count - config->count;
+    const size_t pieces = pm__pieces(harvest->count, PIECE), over = harvest->count - config->count;
     const double each = (double)harvest->count / (double)config->count;
     const double share = harvest->emitted > 1 ? each / (double)(harvest->emitted - 1) : each;
     size_t dropped[PM__LONGEST_PATH];

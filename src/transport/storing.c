@@ -33,16 +33,6 @@ typedef struct run {
     bool full;          /* so many are stored as are wanted */
 } run;
 
-static size_t pieces_of(size_t count)
-{
-    return (count + PIECE - 1) / PIECE;
-}
-
-static size_t end_of(size_t piece, size_t count)
-{
-    return (piece + 1) * PIECE < count ? (piece + 1) * PIECE : count;
-}
-
 static pm_status out_of_memory(const run *r)
 {
     return pm__fail(r->storage.error, PM_ENOMEM, "out of memory behind %zu stored photons", r->storage.stock.count);
@@ -72,7 +62,7 @@ static void look_piece(void *argument, size_t piece)
     const looking *const l = argument;
     const run *const r = l->run;
     const pm__storing_config *const config = r->storage.config;
-    const size_t begin = piece * PIECE, end = end_of(piece, l->arrivals->count);
+    const size_t begin = piece * PIECE, end = pm__piece_end(piece, PIECE, l->arrivals->count);
     const double threshold = r->storage.threshold;
     if (!config->importance) {
         memset(r->part + begin, 0, end - begin);
@@ -89,7 +79,7 @@ static pm_status look_up(run *r, pm__arrivals *arrivals)
     looking all = {r, arrivals};
     if (arrivals->count > r->room && reserve(r, arrivals->count))
         return PM_ENOMEM;
-    pm__for(r->storage.config->parallel, pieces_of(arrivals->count), look_piece, &all);
+    pm__for(r->storage.config->parallel, pm__pieces(arrivals->count, PIECE), look_piece, &all);
     arrivals->importance = r->importance;
     arrivals->part = r->part;
     return PM_OK;
@@ -200,7 +190,7 @@ typedef struct settling {
 static void settle_piece(void *argument, size_t piece)
 {
     settling *const s = argument;
-    const size_t end = end_of(piece, s->stock->count);
+    const size_t end = pm__piece_end(piece, PIECE, s->stock->count);
     for (size_t i = piece * PIECE; i < end; i++) {
         float *const power = s->stock->photons[i].power;
         const double factor = i < s->settled ? s->settled_factor : s->factor;
@@ -223,7 +213,7 @@ static pm_status settle(run *r)
                      .settled_factor = s->unit};
     if (s->stock.count == 0)
         return PM_OK;
-    pm__for(s->config->parallel, pieces_of(s->stock.count), settle_piece, &work);
+    pm__for(s->config->parallel, pm__pieces(s->stock.count, PIECE), settle_piece, &work);
     if (work.too_large)
         return pm__fail(s->error, PM_EINVAL, "a photon has more W than a float holds");
     return r->sent > 0 ? pm__check_smallness(s->emission.total, share, s->error) : PM_OK;

@@ -29,16 +29,6 @@ typedef struct meeting {
     _Atomic pm_status status;
 } meeting;
 
-static size_t pieces_of(size_t count)
-{
-    return (count + PIECE - 1) / PIECE;
-}
-
-static size_t end_of(size_t piece, size_t count)
-{
-    return (piece + 1) * PIECE < count ? (piece + 1) * PIECE : count;
-}
-
 /* ---- Where ------------------------------------------------------------------------------------- */
 
 static const pm_parallel *parallel_of(const meeting *m)
@@ -66,7 +56,7 @@ static void box_piece(void *argument, size_t piece)
 {
     const meeting *const m = argument;
     const pm__stock *const stock = &m->storage->stock;
-    const size_t end = end_of(piece, stock->count);
+    const size_t end = pm__piece_end(piece, PIECE, stock->count);
     empty(m->boxes[piece]);
     for (size_t i = piece * PIECE; i < end; i++)
         if (stock->part[i])
@@ -76,7 +66,7 @@ static void box_piece(void *argument, size_t piece)
 /* false: there is nothing. */
 static bool find_box(const meeting *m, float box[2][3])
 {
-    const size_t pieces = m->by_importance ? pieces_of(m->storage->stock.count) : 0;
+    const size_t pieces = m->by_importance ? pm__pieces(m->storage->stock.count, PIECE) : 0;
     pm__for(parallel_of(m), pieces, box_piece, (void *)m);
     empty(box);
     for (size_t i = 0; i < pieces; i++) {
@@ -94,7 +84,7 @@ static void voxels_of_piece(void *argument, size_t piece)
 {
     meeting *const m = argument;
     const pm__stock *const stock = &m->storage->stock;
-    const size_t end = end_of(piece, stock->count);
+    const size_t end = pm__piece_end(piece, PIECE, stock->count);
     for (size_t i = piece * PIECE; i < end; i++)
         m->voxel[i] = pm__voxels_count(&m->voxels, stock->photons[i].position, stock->part[i]);
 }
@@ -146,7 +136,7 @@ static bool is_near(const meeting *m, size_t i)
 static void count_near(void *argument, size_t piece)
 {
     const meeting *const m = argument;
-    const size_t end = end_of(piece, m->storage->stock.count);
+    const size_t end = pm__piece_end(piece, PIECE, m->storage->stock.count);
     size_t count = 0;
     for (size_t i = piece * PIECE; i < end; i++)
         count += is_near(m, i);
@@ -156,7 +146,7 @@ static void count_near(void *argument, size_t piece)
 static void list_near(void *argument, size_t piece)
 {
     const meeting *const m = argument;
-    const size_t end = end_of(piece, m->storage->stock.count);
+    const size_t end = pm__piece_end(piece, PIECE, m->storage->stock.count);
     size_t at = m->starts[piece];
     for (size_t i = piece * PIECE; i < end; i++)
         if (is_near(m, i)) {
@@ -168,7 +158,7 @@ static void list_near(void *argument, size_t piece)
 /* Photons near strays, as a map. */
 static pm_status make_map(meeting *m)
 {
-    const size_t pieces = pieces_of(m->storage->stock.count);
+    const size_t pieces = pm__pieces(m->storage->stock.count, PIECE);
     const pm_map_options options = {.parallel = parallel_of(m)};
     pm__for(parallel_of(m), pieces, count_near, m);
     for (size_t piece = 0; piece < pieces; piece++) {
@@ -189,7 +179,7 @@ static pm_status make_map(meeting *m)
 
 static pm_status gather_near(meeting *m)
 {
-    const size_t pieces = pieces_of(m->storage->stock.count);
+    const size_t pieces = pm__pieces(m->storage->stock.count, PIECE);
     float box[2][3];
     m->boxes = pm__alloc(pieces, sizeof *m->boxes);
     m->starts = pm__alloc(pieces, sizeof *m->starts);
@@ -281,7 +271,7 @@ static pm_status meet(meeting *m)
     if (!places->first || !places->count || !places->alike)
         return PM_ENOMEM;
     if (m->count)
-        pm__for(parallel_of(m), (strays + AT_ONCE - 1) / AT_ONCE, meet_some, m);
+        pm__for(parallel_of(m), pm__pieces(strays, AT_ONCE), meet_some, m);
     return m->status;
 }
 

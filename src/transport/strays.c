@@ -15,16 +15,6 @@ static const double most_load = 2.4;
 /* Photons of one task, and strays. */
 enum { PIECE = 2048, STRAYS = 64 };
 
-static size_t pieces_of(size_t count)
-{
-    return (count + PIECE - 1) / PIECE;
-}
-
-static size_t end_of(size_t piece, size_t count)
-{
-    return (piece + 1) * PIECE < count ? (piece + 1) * PIECE : count;
-}
-
 /* ---- Which are ---------------------------------------------------------------------------------- */
 
 /* Of a photon sent evenly as it leaves, in units. */
@@ -62,7 +52,7 @@ static bool is_stray(const sifting *s, size_t i)
 static void count_piece(void *argument, size_t piece)
 {
     const sifting *const s = argument;
-    const size_t end = end_of(piece, s->count);
+    const size_t end = pm__piece_end(piece, PIECE, s->count);
     size_t count = 0;
     for (size_t i = piece * PIECE; i < end; i++)
         count += is_stray(s, i);
@@ -72,7 +62,7 @@ static void count_piece(void *argument, size_t piece)
 static void list_piece(void *argument, size_t piece)
 {
     const sifting *const s = argument;
-    const size_t end = end_of(piece, s->count);
+    const size_t end = pm__piece_end(piece, PIECE, s->count);
     size_t at = s->starts[piece];
     const size_t behind = s->starts[piece + 1];
     for (size_t i = piece * PIECE; i < end && at < behind; i++)
@@ -83,7 +73,7 @@ static void list_piece(void *argument, size_t piece)
 /* Behind those of `list`. */
 static pm_status sift(const pm_parallel *parallel, sifting *s, size_t **list, size_t *count, size_t *room)
 {
-    const size_t pieces = pieces_of(s->count);
+    const size_t pieces = pm__pieces(s->count, PIECE);
     size_t sum = *count;
     s->starts = pm__alloc(pieces + 1, sizeof *s->starts);
     if (!s->starts)
@@ -192,7 +182,7 @@ static void split(const splitting *s, size_t i)
 static void split_some(void *argument, size_t block)
 {
     const splitting *const s = argument;
-    const size_t end = (block + 1) * STRAYS < s->places->stray_count ? (block + 1) * STRAYS : s->places->stray_count;
+    const size_t end = pm__piece_end(block, STRAYS, s->places->stray_count);
     for (size_t i = block * STRAYS; i < end; i++)
         split(s, i);
 }
@@ -207,7 +197,7 @@ static pm_status split_all(pm__storage *storage, const pm__stray_places *places)
     }
     const pm_status status = s.behind && !pm__stock_reserve(&storage->stock, more) ? PM_OK : PM_ENOMEM;
     if (status == PM_OK) {
-        pm__for(storage->config->parallel, (places->stray_count + STRAYS - 1) / STRAYS, split_some, &s);
+        pm__for(storage->config->parallel, pm__pieces(places->stray_count, STRAYS), split_some, &s);
         storage->stock.count += more;
     }
     free(s.behind);

@@ -2,6 +2,8 @@
 #include "../../estimators/estimator.h"
 #include "../program.h"
 
+#include <sys/stat.h>
+
 START_TEST(version)
 {
     ck_assert_str_eq(pm__expect("--version", 0, NULL)->out, "photonbench 0.1.0\n");
@@ -231,6 +233,34 @@ START_TEST(standard_output_fails)
 }
 END_TEST
 
+/* One file by two paths, whether it is there or not; two files of one name are two. */
+START_TEST(one_file_by_two_paths)
+{
+    static const char *const names[][2] = {{"a", "./a"}, {"sub/a", "sub/../sub/a"}, {"a", "sub/../a"}, {"link", "a"}};
+    const pm__test_directory place = pm__test_directory_create();
+    char path[PM__TEST_PATH], target[PM__TEST_PATH], line[3 * PM__TEST_PATH];
+    ck_assert_int_eq(mkdir(pm__test_path(&place, "sub", path), 0700), 0);
+    for (int there = 0; there < 2; there++) {
+        for (size_t i = 0; i < 3 + (size_t)there; i++) {
+            (void)snprintf(line, sizeof line, "list --json %s/%s -o %s/%s", place.path, names[i][0], place.path,
+                           names[i][1]);
+            (void)pm__expect(line, 2, "--json and -o both write to");
+        }
+        (void)snprintf(line, sizeof line, "list --json %s/a -o %s/sub/a", place.path, place.path);
+        (void)pm__expect(line, 0, NULL);
+        if (!there)
+            ck_assert_int_eq(symlink(pm__test_path(&place, "a", target), pm__test_path(&place, "link", path)), 0);
+    }
+    (void)pm__expect("list --json /dev/null -o /dev/null", 0, NULL);
+    (void)pm__expect("list --json /nonexistent/a -o /nonexistent/./a", 4, "/nonexistent/");
+    (void)unlink(path);
+    (void)unlink(target);
+    (void)unlink(pm__test_path(&place, "sub/a", path));
+    ck_assert_int_eq(rmdir(pm__test_path(&place, "sub", path)), 0);
+    pm__test_directory_remove(&place);
+}
+END_TEST
+
 START_TEST(output_file)
 {
     const pm__test_directory place = pm__test_directory_create();
@@ -249,4 +279,5 @@ START_TEST(output_file)
 END_TEST
 
 PM_TEST_MAIN("cli", version, overview, help_of_commands, list_of_everything, list_of_scenes, list_of_scenes_as_json,
-             list_as_json, list_as_tables, every_usage_error, standard_output_fails, output_file)
+             list_as_json, list_as_tables, every_usage_error, standard_output_fails, one_file_by_two_paths,
+             output_file)

@@ -59,6 +59,33 @@ START_TEST(test_k_above_the_photons_finds_them_all)
 }
 END_TEST
 
+/* Said twice is once: so many rows for each search, each with its own shape and side. */
+START_TEST(test_shapes_and_sides)
+{
+    json_t *const root = pm__expect_json("search --case square --photons 3000 --samples 1 --search recursive --k 8 "
+                                         "--lookup sphere,disc:0.01,disc:0.01,ellipsoid:2 --front on,off,on "
+                                         "--order random,coherent,random --seconds 20 --json -");
+    static const char *const lookups[] = {"sphere", "disc:0.01", "ellipsoid:2"};
+    size_t seen[3][2][2] = {{{0}}}, i;
+    json_t *row;
+    json_array_foreach(pm__rows_of(root), i, row) {
+        size_t shape = 0;
+        while (shape < 3 && strcmp(lookups[shape], pm__text_of(row, "lookup")) != 0)
+            shape++;
+        ck_assert_uint_lt(shape, 3);
+        ck_assert(json_is_true(json_object_get(row, "exact")));
+        seen[shape][(strcmp(pm__text_of(row, "front"), "on") == 0)][*pm__text_of(row, "order") == 'r']++;
+    }
+    for (size_t cell = 0; cell < 12; cell++)
+        ck_assert_uint_eq(seen[cell / 4][cell / 2 % 2][cell % 2], 1);
+    json_decref(root);
+    const char *const text = pm__expect("search --case square --photons 500 --samples 1 --search brute,recursive --k 8 "
+                                        "--lookup disc:0.01 --front on --quiet", 0, NULL)->out;
+    ck_assert_ptr_nonnull(strstr(text, "brute front disc:0.01"));
+    (void)pm__expect("search --seconds 0", 2, "--seconds");
+}
+END_TEST
+
 START_TEST(test_screen_ends_with_a_verdict)
 {
     const pm__run *const run =
@@ -135,5 +162,5 @@ START_TEST(test_refusals)
 END_TEST
 
 PM_TEST_MAIN("cli search", test_fields_are_the_contract, test_all_are_exact_on_every_set,
-             test_k_above_the_photons_finds_them_all, test_screen_ends_with_a_verdict, test_same_rows_but_for_times,
-             test_a_file_of_photons, test_refusals)
+             test_k_above_the_photons_finds_them_all, test_shapes_and_sides, test_screen_ends_with_a_verdict,
+             test_same_rows_but_for_times, test_a_file_of_photons, test_refusals)

@@ -181,6 +181,30 @@ START_TEST(images)
 END_TEST
 
 /* What was complete is written, and the status says so. */
+/* To whom light is important, and how many importons carry an estimate of it: recorded, and other photons are kept. */
+START_TEST(importance_and_share)
+{
+    static const char *const options[] = {"", "--importance screen", "--importance pixels", "--importance both",
+                                          "--share 0.5"};
+    double stored[5];
+    for (size_t i = 0; i < 5; i++) {
+        char line[300];
+        (void)snprintf(line, sizeof line, "storage torus " TINY "--map caustic --policy probability %s --json -",
+                       options[i]);
+        json_t *const root = pm__expect_json(line), *const said = json_object_get(root, "options");
+        stored[i] = pm__number_of(pm__item(root, "rows", 1), "stored");
+        ck_assert_str_eq(pm__text_of(said, "importance"), i == 1 ? "screen" : i == 2 ? "pixels" : "both");
+        ck_assert_double_eq(pm__number_of(said, "share"), i == 4 ? 0.5 : 0.25);
+        json_decref(root);
+    }
+    ck_assert_double_eq(stored[0], stored[3]);
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < i; j++)
+            ck_assert_double_ne(stored[i], stored[j]);
+    ck_assert_double_ne(stored[0], stored[4]);
+}
+END_TEST
+
 START_TEST(interrupted)
 {
     const pm__test_directory place = pm__test_directory_create();
@@ -214,7 +238,7 @@ END_TEST
 START_TEST(seconds_end_it)
 {
     json_t *const root = pm__expect_json("storage torus --spp 4 --photons 500 --paths 2000 --trials 100000 "
-                                         "--policy all --map global --seconds 0.001 --json -");
+                                         "--policy all --map global --seconds 1e-7 --json -");
     ck_assert_double_eq(pm__number_of(pm__item(root, "rows", 0), "trials"), 2.0);
     json_decref(root);
 }
@@ -230,5 +254,5 @@ START_TEST(table_fits)
 END_TEST
 
 PM_TEST_MAIN("cli storage", rows_have_the_contract, all_keeps_everything, so_many_are_stored,
-             threads_make_no_difference, usage, unsupported_is_a_row, complete_or_absent, images, interrupted,
-             seconds_end_it, table_fits)
+             threads_make_no_difference, usage, unsupported_is_a_row, complete_or_absent, images,
+             importance_and_share, interrupted, seconds_end_it, table_fits)

@@ -1,4 +1,5 @@
 /* `photonbench stress` as a user runs it. */
+#include "../../src/stress/stress.h"
 #include "../program.h"
 #include "../rows.h"
 
@@ -58,6 +59,32 @@ START_TEST(test_screen_is_100_columns)
 }
 END_TEST
 
+/* But adapts and sums: a million updates, 1e8 terms. A subject of each of these is in tests/unit/test_stress.c. */
+START_TEST(test_every_row_passes)
+{
+    char line[1000] = "stress --search wide,grid,stackfree --quiet --json - --test ";
+    size_t asked = 0;
+    for (size_t t = 0; t < pm__stress_test_count(); t++) {
+        const char *const name = pm__stress_test_name(t);
+        if (strcmp(name, "adapts") != 0 && strcmp(name, "sums") != 0)
+            (void)strcat(strcat(line, asked++ ? "," : ""), name);
+    }
+    json_t *const root = pm__expect_json(line);
+    size_t i, tests = 0;
+    const char *before = "";
+    json_t *row;
+    json_array_foreach(pm__rows_of(root), i, row) {
+        ck_assert_msg(strcmp(pm__text_of(row, "status"), "pass") == 0, "%s, %s: %s", pm__text_of(row, "test"),
+                      pm__text_of(row, "subject"), pm__text_of(row, "detail"));
+        tests += strcmp(before, pm__text_of(row, "test")) != 0;
+        before = pm__text_of(row, "test");
+    }
+    ck_assert_uint_eq(tests, asked);
+    ck_assert_uint_eq(asked + 2, pm__stress_test_count());
+    json_decref(root);
+}
+END_TEST
+
 START_TEST(test_same_rows_whatever_the_threads)
 {
     json_t *const one = pm__expect_json("stress " SMALL "--quiet --threads 1 --json -");
@@ -98,5 +125,5 @@ START_TEST(test_refusals)
 END_TEST
 
 PM_TEST_MAIN("cli stress", test_fields_are_the_contract, test_a_row_that_fails_is_exit_status_1,
-             test_screen_is_100_columns, test_same_rows_whatever_the_threads,
+             test_screen_is_100_columns, test_every_row_passes, test_same_rows_whatever_the_threads,
              test_widths_that_are_not_run_are_said, test_refusals)

@@ -29,7 +29,11 @@ static void digest_rows(const char *line, uint64_t *digest)
         return;
     char *const rows = pm__rows_of("rows.json");
     PM_MUST(rows != NULL);
-    if (strncmp(line, "search", 6) != 0 && strncmp(line, "advise", 6) != 0) /* what they measure is time */
+    static const char *const timed[] = {"search", "advise", "storage", "speed"}; /* what they measure is time */
+    bool is_timed = false;
+    for (size_t i = 0; i < sizeof timed / sizeof *timed; i++)
+        is_timed |= strncmp(line, timed[i], strlen(timed[i])) == 0;
+    if (!is_timed)
         pm__digest(digest, rows, strlen(rows));
     free(rows);
 }
@@ -171,6 +175,24 @@ START_TEST(stress)
 }
 END_TEST
 
+START_TEST(storage)
+{
+    pm__each_part = 3;
+    pm__all_below = 40; /* each passes over its scene's importance and its reference */
+    check_command("storage torus --policy density --photons 100 --trials 2 --spp 4 "
+                  "--paths 100 --json @rows.json --csv @rows.csv" QUICK);
+}
+END_TEST
+
+START_TEST(speed)
+{
+    pm__each_part = 3;
+    pm__all_below = 20; /* clocks are waited for */
+    check_command("speed corner --quantity trace,visualize,skip,pass --photons 50 --k 5 --size 4x4 "
+                  "--seconds 0.01 --json @rows.json" QUICK);
+}
+END_TEST
+
 START_TEST(list)
 {
     check_command("list searches --json @rows.json");
@@ -178,4 +200,4 @@ START_TEST(list)
 END_TEST
 
 PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, estimates, comparisons,
-             resumed, advice, stress, list)
+             resumed, advice, stress, storage, speed, list)

@@ -1,16 +1,21 @@
 #!/bin/sh
-# run_fuzz.sh BUILD SECONDS   runs each libFuzzer target so long, from the inputs kept in tests/fuzz/corpus, with a
-# corpus of its own in BUILD/fuzz. Fails at the first input that goes wrong, which stays there as crash-*.
+# run_fuzz.sh BUILD SECONDS   runs each libFuzzer target so long, as many at a time as there are processors, from the
+# inputs kept in tests/fuzz/corpus, with a corpus of its own in BUILD/fuzz. Fails if an input goes wrong, which stays
+# there as crash-*.
 set -eu
-export ASAN_OPTIONS=quarantine_size_mb=4 # maps are built by the thousand
-for program in "$1"/fuzz/fuzz_*; do
-    case $program in *.d | *.log | *.corpus) continue ;; esac
-    [ -f "$program" ] || continue
-    name=$(basename "$program")
+if [ "$1" = --one ]; then # --one BUILD SECONDS NAME: what the processors do
+    program=$2/fuzz/$4
+    export ASAN_OPTIONS=quarantine_size_mb=4 # maps are built by the thousand
     mkdir -p "$program.corpus"
-    echo "$name, $2 s"
-    "$program" -max_total_time="$2" -timeout=20 -rss_limit_mb=2048 -max_len=4096 -artifact_prefix="$1/fuzz/$name-" \
-        -print_final_stats=1 "$program.corpus" "tests/fuzz/corpus/$name" >"$program.log" 2>&1 ||
-        { tail -n 40 "$program.log" && exit 1; }
-    grep 'number_of_executed_units' "$program.log"
-done
+    status=0
+    "$program" -max_total_time="$3" -timeout=20 -rss_limit_mb=2048 -max_len=4096 -artifact_prefix="$2/fuzz/$4-" \
+        -print_final_stats=1 "$program.corpus" "tests/fuzz/corpus/$4" >"$program.log" 2>&1 || status=$?
+    [ "$status" = 0 ] || tail -n 40 "$program.log"
+    inputs=$(sed -n 's/.*number_of_executed_units: *//p' "$program.log")
+    printf '%-20s %10s inputs in %s s  %s\n' "$4" "${inputs:-?}" "$3" "$([ "$status" = 0 ] && echo ok || echo FAILED)"
+    exit "$status"
+fi
+
+for source in tests/fuzz/fuzz_*.c; do
+    basename "$source" .c
+done | xargs -P "$(nproc 2>/dev/null || echo 1)" -I{} "$0" --one "$1" "$2" {}

@@ -65,7 +65,7 @@ START_TEST(test_squares)
 {
     static const float up[3] = {0.0f, 0.0f, 1.0f}, down[3] = {0.0f, 0.0f, -1.0f};
     pm__plots plots = made(1000.0, 10.0, 10.0);
-    const double edge = 0.1, offset = (double)plots.offset;
+    const double edge = 0.1, offset = (double)plots.frame.offset;
     const pm_photon middle = at(0.3, 0.4, 3.0);
     const uint64_t key = place_of(&plots, &middle, up, 1000.0).key;
     ck_assert(key != place_of(&plots, &middle, down, 1000.0).key);
@@ -94,11 +94,12 @@ START_TEST(test_beside)
         const pm_photon photon = at(5.0 * u[0], 5.0 * u[1], 3.0 + 5.0 * u[2]);
         const double required = 20.0 * pow(5000.0, u[3]);
         const float *const normal = normals[i % 3];
-        const uint64_t key = place_of(&plots, &photon, normal, required).key;
-        const uint64_t beside = pm__plot_beside(&plots, photon.position, normal, (float)required, false);
+        const pm__plot_place place = place_of(&plots, &photon, normal, required);
+        const uint64_t key = place.key, beside = place.beside;
         if (!beside)
             continue;
-        ck_assert_uint_eq(pm__plot_shard_of(&plots, key), pm__plot_shard_of(&plots, beside));
+        ck_assert_uint_eq(pm__plot_shard_of(&plots, key), place.shard);
+        ck_assert_uint_eq(pm__plot_shard_of(&plots, beside), place.shard);
         finer += beside >> 60 < key >> 60;
         coarser += beside >> 60 > key >> 60;
     }
@@ -212,10 +213,8 @@ static void check_one_by_one(double constant, const char *policy)
         }
         own->stored++;
         own->takers++;
-        const uint64_t beside =
-            constant > 0.0 ? 0 : pm__plot_beside(&plots, all.photons[i].position, normal[0], required, part);
-        if (beside)
-            plain_of(list, &plots_count, beside)->stored++;
+        if (place.beside && !(constant > 0.0))
+            plain_of(list, &plots_count, place.beside)->stored++;
         ck_assert_uint_lt(stored, set.count);
         ck_assert(!memcmp(set.photons[stored].position, all.photons[i].position, sizeof set.photons[0].position));
         keys[stored++] = place.key;

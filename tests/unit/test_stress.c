@@ -4,6 +4,7 @@
 #include "../../estimators/estimator.h"
 #include "../../src/search/search.h"
 #include "../../src/stress/judge.h"
+#include "../../src/stress/test.h"
 #include "../test.h"
 
 #include <string.h>
@@ -72,6 +73,26 @@ START_TEST(test_a_wrong_bound_fails)
     }
     ck_assert_uint_gt(failed, o.count / 2);
     free(o.rows);
+}
+END_TEST
+
+/* One subject of each test that takes long: a million updates, 1e8 terms. Nothing is exact there: their errors are not
+ * 0, and below the bound. */
+START_TEST(test_long_ones)
+{
+    static const char *const names[] = {"adapts", "sums"};
+    const pm__stress_config config = {.seed = 1, .bound_factor = 1.0};
+    for (size_t n = 0; n < 2; n++) {
+        size_t t = 0;
+        pm__stress_row row = {.unit = NULL};
+        while (strcmp(pm__stress_tests[t]->name, names[n]) != 0)
+            t++;
+        ck_assert_uint_gt(pm__stress_tests[t]->subjects(false), 1);
+        ck_assert_int_eq(pm__stress_tests[t]->measure(0, &config, &row), PM_OK);
+        ck_assert_msg(row.measured > 0.0 && row.measured <= row.bound, "%s: %g of %g", names[n], row.measured,
+                      row.bound);
+        ck_assert_msg(strstr(row.detail, n ? "100663296 photons" : "") != NULL, "%s", row.detail);
+    }
 }
 END_TEST
 
@@ -260,7 +281,7 @@ START_TEST(test_a_far_query_finds_what_its_radius_holds)
 }
 END_TEST
 
-PM_TEST_MAIN("stress", test_a_row_for_each_subject, test_a_wrong_bound_fails,
+PM_TEST_MAIN("stress", test_a_row_for_each_subject, test_a_wrong_bound_fails, test_long_ones,
              test_rows_do_not_depend_on_who_does_what, test_canceled, test_a_stray_photon_gives_a_status,
              test_coinciding_photons_are_not_stray, test_stored_radii_at_the_smallest_extents,
              test_a_far_query_finds_what_its_radius_holds)
