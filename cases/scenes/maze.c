@@ -20,7 +20,7 @@ static const double pitch = 3.0, inside = 1.4375, height = 2.5;  /* room to room
 static const double door[2] = {0.4375, 2.0}, below_ceiling = 1e-3; /* half width, height */
 
 static const pm__param params[] = {
-    {.name = "rooms", .type = PM__INTEGER, .value = 12.0, .min = 2.0, .max = MOST_ROOMS, .unit = "",
+    {.name = "rooms", .type = PM__INTEGER, .value = 16.0, .min = 2.0, .max = MOST_ROOMS, .unit = "",
      .help = "so many rows of so many rooms"},
     {.name = "albedo", .type = PM__REAL, .value = 0.6, .min = 0.0, .max = 0.99, .unit = "",
      .help = "of the walls"},

@@ -126,12 +126,10 @@ static bool is_by_chance(const pm__density *d, const pm__seeker *seeker, double 
     return u[0] < 0.5 * (1.0 + cos(0.5 * pi * s));
 }
 
-/* light: power of all that came to the plot; NULL: not asked for. */
-static bool is_stored(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, double s,
-                      const double *light)
+/* By what is stored over what is required. light: power of all that came to the plot; NULL: not asked for. */
+static bool is_stored_by_rule(const pm__density *d, const pm__seeker *seeker, const pm__plot *plot, const double *light)
 {
-    if (!plot->takers)
-        return true; /* nobody there to take its power */
+    double s = (double)plot->stored / (double)pm__plot_wanted(plot);
     if (light)
         s *= criterion(d, seeker, *light / (double)pm__plot_filled(plot));
     return d->rule.cosine ? is_by_chance(d, seeker, s) : s < 1.0;
@@ -168,11 +166,11 @@ static pm_status decide(pm__density *d, size_t shard, pm__seeker *seeker, pm__de
     if (plot->came == 0)
         memcpy(plot->normal, seeker->normal, sizeof plot->normal);
     pm__plot_meet(plot, seeker->wanted, seeker->at);
-    const bool asks = d->rule.cosine || light || !pm__plot_is_full(plot);
-    const double s = asks ? (double)plot->stored / (double)pm__plot_wanted(plot) : 1.0;
+    const bool lacks = !pm__plot_is_full(plot) && (double)plot->stored < (double)pm__plot_wanted(plot);
     tally->arrived += matters;
-    tally->lacking += matters && s < 1.0;
-    seeker->is_stored = is_stored(d, seeker, plot, s, light);
+    tally->lacking += matters && lacks;
+    /* None takes what waits there: then it is stored. */
+    seeker->is_stored = !plot->takers || (d->rule.cosine || light ? is_stored_by_rule(d, seeker, plot, light) : lacks);
     seeker->takes = false;
     if (light)
         *light += (double)seeker->power[0] + (double)seeker->power[1] + (double)seeker->power[2];

@@ -22,7 +22,7 @@ double pm__density_required(const pm__spec *policy, pm__map_kind kind, const pm_
  * on. power: [SW00] 3.2: of a caustic photon s is times (L_g / L_c)^power, L_g of config->global, L_c of all that came
  * to the plot, 1 at least. */
 #define PM__DENSITY_PARAMS                                                                                          \
-    {"caustic", PM__REAL, 25.0, 1e-3, 1e6, "", NULL, "photons of the caustic map to the pixel"},                    \
+    {"caustic", PM__REAL, 8.0,  1e-3, 1e6, "", NULL, "photons of the caustic map to the pixel"},                    \
         {"global", PM__REAL, 2.0, 1e-3, 1e6, "", NULL, "photons of the global map to the pixel"},                   \
         {"constant", PM__REAL, 0.0, 0.0, 1e12, "1/m2", NULL, "required density everywhere; 0: by importance"},      \
         {"floor", PM__REAL, 0.02, 1e-4, 1.0, "", NULL, "least required density, of that at mean importance"},       \

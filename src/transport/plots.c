@@ -10,20 +10,25 @@
 /* Cells on each axis, so that numbers never overlap. */
 enum { MOST_CELLS = 1 << (PM__PLOT_ACROSS_BITS - 1) };
 
-enum { FIRST_SIZE = 512 };
+/* Of each shard's table at first: one plot for each photon sent is about what little light makes; where there is much
+ * the table grows. */
+enum { LEAST_SIZE = 128, MOST_FIRST = 2048 };
 
 /* Levels above the usual one that can share a shard: a square of the last holds some 40 photons. */
 enum { MOST_COMMON = 1 };
 
 /* ---- Places ------------------------------------------------------------------------------------- */
 
-static pm_status create_shards(pm__plots *plots)
+static pm_status create_shards(pm__plots *plots, uint64_t photons)
 {
+    size_t size = LEAST_SIZE;
+    while (size < MOST_FIRST && size < photons / PM__PLOT_SHARDS)
+        size *= 2;
     for (int i = 0; i < PM__PLOT_SHARDS; i++) {
         pm__plot_shard *const shard = &plots->shards[i];
-        shard->plots = pm__alloc_zero(FIRST_SIZE, sizeof *shard->plots);
-        shard->light = plots->lit ? pm__alloc_zero(FIRST_SIZE, sizeof *shard->light) : NULL;
-        shard->size = FIRST_SIZE;
+        shard->plots = pm__alloc_zero(size, sizeof *shard->plots);
+        shard->light = plots->lit ? pm__alloc_zero(size, sizeof *shard->light) : NULL;
+        shard->size = size;
         if (!shard->plots || (plots->lit && !shard->light))
             return PM_ENOMEM;
     }
@@ -46,7 +51,7 @@ static int level_of(const pm__plot_frame *f, float required, float *fill)
 /* The level of the usual density is that in the middle; other levels only while cells can be told apart, and are no
  * larger than the scene. A third of a square is off the lines of all levels, as of those through the corner. */
 pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3],
-                         double across, bool lit)
+                         double across, uint64_t photons, bool lit)
 {
     const double finest = across / MOST_CELLS;
     const double edge = fmax(finest, fmin(sqrt(0.5 * neighbors / usual), across));
@@ -66,7 +71,7 @@ pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, doubl
     if (f->common > PM__PLOT_USUAL + MOST_COMMON)
         f->common = PM__PLOT_USUAL + MOST_COMMON;
     f->offset = (float)(ldexp(edge, f->common - PM__PLOT_USUAL) / 3.0);
-    return create_shards(plots);
+    return create_shards(plots, photons);
 }
 
 static void take_points(const pm_photon *photons, const float (*normals)[3], const float *required,

@@ -53,9 +53,9 @@ typedef struct pm__plot_place {
 } pm__plot_place;
 
 /* neighbors: M; usual: 1/m2, a density that is required, > 0: of its plots half of M are; least: the least that is;
- * low: of a box of `across` m about all places. ENOMEM. */
+ * low: of a box of `across` m about all places; photons: that will be sent, about. ENOMEM. */
 pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3],
-                         double across, bool lit);
+                         double across, uint64_t photons, bool lit);
 
 /* The shard of a place that has the key. */
 size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key);

@@ -323,7 +323,7 @@ START_TEST(test_required)
     const pm__spec density = policed_spec("density"), both = policed_spec("emission+density");
     for (int k = 0; k < PM__MAP_KINDS; k++) {
         const pm__map_kind kind = (pm__map_kind)k;
-        const double mean = pm__importance_mean(p.importance, kind), pixel = kind == PM__CAUSTIC_MAP ? 25.0 : 2.0;
+        const double mean = pm__importance_mean(p.importance, kind), pixel = kind == PM__CAUSTIC_MAP ? 8.0 : 2.0;
         ck_assert(pm__policy_required(&all, kind, p.importance, mean) == 0.0);
         ck_assert(pm__policy_required(&constant, kind, NULL, mean) == 7.0);
         PM_CHECK_NEAR(pm__policy_required(&density, kind, p.importance, mean), pixel * mean, 1e-12 * pixel * mean);

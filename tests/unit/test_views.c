@@ -161,7 +161,7 @@ static const box boxes[] = {{"scene:cornell", {0.5, 0.5}, 1, true},
                             {"scene:egg", {1.8, 1.8}, 2.7, false},
                             {"scene:office", {5.2, 4.8}, 2.7, false},
                             {"scene:office:desks=1", {1.6, 1.5}, 2.7, false},
-                            {"scene:maze", {18.0625, 18.0625}, 2.5, false},
+                            {"scene:maze", {24.0625, 24.0625}, 2.5, false},
                             {"scene:maze:rooms=3", {4.5625, 4.5625}, 2.5, false}};
 
 /* All is within the room, mirrors and glass but for the water clear of the floor and the walls. */

@@ -2,7 +2,7 @@
 # make.sh PHOTONBENCH [SCENE...]   makes the stored references anew: of each scene without an exact answer its image by
 # the path tracer (NAME.exr) and that image's standard error over its mean (NAME.error.exr). Each says in its header by
 # which command, version and seed it was made. Minutes a scene on two cores. Where few paths find the light images are
-# small and have many samples; in the maze each sample asks 144 lamps.
+# small and have many samples; in the maze each sample asks 256 lamps.
 set -eu
 program=$1
 shift
