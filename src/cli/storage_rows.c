@@ -32,6 +32,7 @@
     X(importance_s, pm__number_cell(row->importance_s))                                               \
     X(policy_s, pm__number_cell(row->policy_s))                                                       \
     X(build_s, pm__number_cell(row->build_s))                                                         \
+    X(cost_added, pm__number_cell(row->cost_added))                                                   \
     X(flux_kept, pm__number_cell(row->kept))                                                          \
     X(flux_ratio, pm__number_cell(row->flux[PM__EVERYWHERE] / row->expected[PM__EVERYWHERE]))         \
     X(flux_ratio_ci95, pm__interval_cell(row->flux_ci95[PM__EVERYWHERE]))                             \
@@ -102,7 +103,7 @@ static pm__storage_row no_row(void)
 {
     const double nan = (double)NAN;
     pm__storage_row row = {.emitted = nan, .stored = nan, .importance_s = nan, .trace_s = nan, .policy_s = nan,
-                           .build_s = nan, .total_s = nan, .kept = nan, .spread = nan,
+                           .build_s = nan, .total_s = nan, .cost_added = nan, .kept = nan, .spread = nan,
                            .error = {nan, nan, nan, nan, nan, none, none, none}};
     for (int p = 0; p < PM__PARTS; p++) {
         row.flux[p] = row.expected[p] = nan;

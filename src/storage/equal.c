@@ -67,64 +67,93 @@ static double cost_at(const place *places, size_t count, double error, bool beyo
     return cost;
 }
 
-static const char *why_none(const pm__sizes *mine, const place *places, size_t count)
+/* That of the least error, of those that there are; NULL. */
+static const place *least_of(const place *places, size_t count)
 {
-    double least = (double)INFINITY, most = (double)-INFINITY, mine_least = (double)INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        least = fmin(least, places[i].error);
+    const place *least = NULL;
+    for (size_t i = 0; i < count; i++)
+        if (isfinite(places[i].error) && (!least || places[i].error < least->error))
+            least = &places[i];
+    return least;
+}
+
+static double most_of(const place *places, size_t count)
+{
+    double most = (double)-INFINITY;
+    for (size_t i = 0; i < count; i++)
         most = fmax(most, places[i].error);
-    }
-    for (size_t i = 0; i < mine->count; i++)
-        mine_least = fmin(mine_least, place_of(mine, i, SIZE_MAX).error);
-    return count < 2             ? "it takes two sizes of all to compare with"
-           : !isfinite(least)    ? "an error of all does not stand out of the reference's"
-           : mine_least > most   ? "its errors are larger than all of those of all"
-           : mine_least < least  ? "its errors are smaller than all of those of all"
-                                 : "its errors are none of those between the sizes of all";
+    return most;
 }
 
-/* The logarithm of the ratio at a size, without a trial. */
-static double log_ratio(const pm__sizes *mine, size_t size, const pm__sizes *other, size_t left, place *places)
+/* Both, mine first, and room for the places of each. */
+typedef struct pair {
+    const pm__sizes *sizes[2];
+    place *places[2];
+} pair;
+
+static const char *why_none(const pair *p, const place *const least[2])
 {
-    const place own = place_of(mine, size, left);
-    list_places(other, left, places);
-    return cost_at(places, other->count, own.error, true) - own.cost;
+    static const char *const apart[2] = {"its errors are smaller than all of those of all",
+                                         "its errors are larger than all of those of all"};
+    for (int i = 0; i < 2; i++)
+        if (!least[i])
+            return i ? "no error of all stands out of the reference's" : "no error stands out of the reference's";
+    for (int i = 0; i < 2; i++)
+        if (least[!i]->error > most_of(p->places[i], p->sizes[i]->count))
+            return apart[i];
+    for (int i = 0; i < 2; i++)
+        if (p->sizes[i]->count < 2)
+            return i ? "it takes two sizes of all to compare with" : "it takes two sizes to compare with";
+    return "between the sizes of one there is none of its errors";
 }
 
-static void fill(const pm__sizes *mine, const pm__sizes *other, place *places, double *without, pm__equal *equal)
+/* The logarithm of the ratio at the error of this size of one of both, without a trial. */
+static double log_ratio(const pair *p, int which, size_t size, size_t left)
 {
-    double least = (double)INFINITY, found = (double)NAN;
-    list_places(other, SIZE_MAX, places);
-    for (size_t i = 0; i < mine->count; i++) {
-        const place own = place_of(mine, i, SIZE_MAX);
-        const double cost = cost_at(places, other->count, own.error, false);
-        if (isfinite(cost) && own.error < least) {
-            least = own.error;
-            found = cost - own.cost;
-            equal->at = i;
-        }
+    const place own = place_of(p->sizes[which], size, left);
+    list_places(p->sizes[!which], left, p->places[!which]);
+    const double other = cost_at(p->places[!which], p->sizes[!which]->count, own.error, true);
+    return which ? own.cost - other : other - own.cost;
+}
+
+/* One of both is compared at a size that it has: that of the least error, if the other reaches it. */
+static void fill(const pair *p, double *without, pm__equal *equal)
+{
+    const place *least[2];
+    for (int i = 0; i < 2; i++) {
+        list_places(p->sizes[i], SIZE_MAX, p->places[i]);
+        least[i] = least_of(p->places[i], p->sizes[i]->count);
     }
-    if (equal->at == SIZE_MAX) {
-        equal->why = why_none(mine, places, other->count);
+    const int which = least[0] && least[1] && least[1]->error > least[0]->error;
+    const place own = least[which] ? *least[which] : (place){0.0, 0.0, 0};
+    const double other = cost_at(p->places[!which], p->sizes[!which]->count, own.error, false);
+    if (!least[0] || !least[1] || !isfinite(other)) {
+        equal->why = why_none(p, least);
         return;
     }
+    const double found = which ? own.cost - other : other - own.cost;
+    const size_t trials = p->sizes[0]->trials;
+    equal->error = exp(own.error);
     equal->ratio = exp(found);
-    for (size_t t = 0; t < mine->trials; t++)
-        without[t] = log_ratio(mine, equal->at, other, t, places);
-    const double half = pm__jackknife_half(without, mine->trials);
+    for (size_t t = 0; t < trials; t++)
+        without[t] = log_ratio(p, which, own.size, t);
+    const double half = pm__jackknife_half(without, trials);
     equal->ci95 = (pm__interval){exp(found - half), exp(found + half)};
 }
 
 pm__equal pm__equal_error(const pm__sizes *mine, const pm__sizes *other)
 {
-    pm__equal equal = {SIZE_MAX, (double)NAN, {(double)NAN, (double)NAN}, NULL};
-    place *const places = pm__alloc(other->count, sizeof *places);
+    pm__equal equal = {(double)NAN, (double)NAN, {(double)NAN, (double)NAN}, NULL};
+    pair p = {{mine, other}, {NULL, NULL}};
     double *const without = pm__alloc(mine->trials, sizeof *without);
-    if (places && without && mine->trials > 1)
-        fill(mine, other, places, without, &equal);
+    for (int i = 0; i < 2; i++)
+        p.places[i] = pm__alloc(p.sizes[i]->count, sizeof **p.places);
+    if (p.places[0] && p.places[1] && without && mine->trials > 1)
+        fill(&p, without, &equal);
     else
         equal.why = mine->trials > 1 ? "out of memory" : "it takes two trials";
-    free(places);
+    free(p.places[0]);
+    free(p.places[1]);
     free(without);
     return equal;
 }

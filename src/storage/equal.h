@@ -14,15 +14,15 @@ typedef struct pm__sizes {
 } pm__sizes;
 
 typedef struct pm__equal {
-    size_t at;             /* the size of `mine`; SIZE_MAX: there is none */
+    double error;          /* at which both are compared; NAN */
     double ratio;          /* the other's cost over mine; NAN */
     pm__interval ci95;     /* over trials, which are paired: jackknife of the logarithm */
     const char *why;       /* NULL, or why there is none */
 } pm__equal;
 
-/* At the size of `mine` that has the least error within the other's range. Both of as many trials, two or more. The
- * other's cost there: by straight lines through logarithms, from size to size by ascending cost, the first that meets
- * the error. ENOMEM shows as no ratio. */
+/* At the least error that both reach. It is that of a size of one of both; the other's cost there: by straight lines
+ * through logarithms, from size to size by ascending cost, the first that meets the error. Both of as many trials, two
+ * or more. ENOMEM shows as no ratio. */
 pm__equal pm__equal_error(const pm__sizes *mine, const pm__sizes *other);
 
 /* The sizes that no other one beats in both mean cost and error, by ascending cost: into front[count]; how many. */

@@ -5,15 +5,17 @@
 #include "../methods/stage.h"
 #include "storage.h"
 
+#include <string.h>
+
 /* One row in the making. */
 typedef struct pm__storage_item {
     pm__storage_row row;
     bool hidden;    /* only for the flux that is expected */
     bool largest;   /* of its policy and map: that is what images are of */
     pm__tally tally;
-    double *stored, *trace_s, *total_s; /* [trial] */
+    double *stored, *trace_s, *policy_s, *build_s, *total_s; /* [trial] */
     double *flux[PM__PARTS], *came[PM__PARTS];
-    double emitted, policy_s, build_s;  /* sums over trials */
+    double emitted; /* sum over trials */
 } pm__storage_item;
 
 typedef struct pm__storage_job {
@@ -40,6 +42,11 @@ static inline bool pm__storage_canceled(void *context)
 {
     const pm__storage_job *const job = context;
     return job->wish->canceled && job->wish->canceled(job->wish->context);
+}
+
+static inline bool pm__storage_is_all(const pm__storage_row *row)
+{
+    return strcmp(row->policy->entry->name, "all") == 0;
 }
 
 /* Photons sent, at most, for each that is to be stored. */

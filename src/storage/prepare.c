@@ -199,8 +199,8 @@ static size_t largest_sent(const pm__storage_wish *w)
 static pm_status allot(const pm__storage_job *job, pm__storage_item *item)
 {
     const size_t trials = job->wish->trials;
-    double **const lists[] = {&item->stored,  &item->trace_s, &item->total_s, &item->flux[0],
-                              &item->flux[1], &item->came[0], &item->came[1]};
+    double **const lists[] = {&item->stored,  &item->trace_s, &item->policy_s, &item->build_s, &item->total_s,
+                              &item->flux[0], &item->flux[1], &item->came[0],  &item->came[1]};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
         if (!(*lists[i] = pm__alloc_zero(trials, sizeof **lists[i])))
             return PM_ENOMEM;
@@ -230,11 +230,6 @@ static pm_status add_item(pm__storage_job *job, const pm__storage_row *row, bool
     return allot(job, item);
 }
 
-static bool is_plain_all(const pm__spec *policy)
-{
-    return strcmp(policy->entry->name, "all") == 0;
-}
-
 /* What `all` catches of the largest number is what is to be expected: of its own row if it has one, else of photons
  * that are sent for that alone. */
 static pm_status expect(pm__storage_job *job, pm__map_kind kind)
@@ -242,7 +237,7 @@ static pm_status expect(pm__storage_job *job, pm__map_kind kind)
     const size_t most = largest_sent(job->wish);
     for (size_t i = 0; i < job->item_count; i++) {
         const pm__storage_row *const row = &job->items[i].row;
-        if (row->map == kind && is_plain_all(row->policy) && row->photons == most) {
+        if (row->map == kind && pm__storage_is_all(row) && row->photons == most) {
             job->expecting[kind] = i;
             return PM_OK;
         }

@@ -16,6 +16,13 @@ static double mean_of(const double *x, size_t count)
     return count ? sum / (double)count : (double)NAN;
 }
 
+/* scratch: [count]. What holds up one trial moves a median little. */
+static double median_of(const double *x, size_t count, double *scratch)
+{
+    memcpy(scratch, x, count * sizeof *x);
+    return count ? pm__median(scratch, count) : (double)NAN;
+}
+
 /* The quotient of two means over the same trials. */
 static pm__interval interval_of_ratio(const double *above, const double *below, size_t trials, double *without)
 {
@@ -43,19 +50,40 @@ static void fill_flux(const pm__storage_job *job, pm__storage_item *item, double
     row->kept = came > 0.0 ? row->flux[PM__EVERYWHERE] / came : (double)NAN;
 }
 
+/* s, median: until the photons are stored, without importance and map. NULL: NAN. */
+static double cost_of(const pm__storage_item *item, double *scratch)
+{
+    const size_t trials = item ? item->row.trials : 0;
+    for (size_t t = 0; t < trials; t++)
+        scratch[t] = item->trace_s[t] + item->policy_s[t];
+    return trials ? pm__median(scratch, trials) : (double)NAN;
+}
+
+/* `all`, asked for as many; NULL: there is none. */
+static const pm__storage_item *all_beside(const pm__storage_job *job, const pm__storage_row *row)
+{
+    for (size_t i = 0; i < job->item_count && !job->items[i].hidden; i++) {
+        const pm__storage_row *const other = &job->items[i].row;
+        if (pm__storage_is_all(other) && other->map == row->map && other->photons == row->photons &&
+            other->wanted == row->wanted)
+            return &job->items[i];
+    }
+    return NULL;
+}
+
 static void fill_row(const pm__storage_job *job, pm__storage_item *item, double *without)
 {
     pm__storage_row *const row = &item->row;
     const bool needs = pm__policy_needs_importance(row->policy);
-    const double trials = (double)row->trials;
     row->importons = needs ? pm__importance_count(job->importance, row->map) : 0;
-    row->emitted = item->emitted / trials;
+    row->emitted = item->emitted / (double)row->trials;
     row->stored = mean_of(item->stored, row->trials);
     row->importance_s = needs ? job->importance_s : 0.0;
-    row->trace_s = mean_of(item->trace_s, row->trials);
-    row->policy_s = item->policy_s / trials;
-    row->build_s = item->build_s / trials;
-    row->total_s = mean_of(item->total_s, row->trials);
+    row->trace_s = median_of(item->trace_s, row->trials, without);
+    row->policy_s = median_of(item->policy_s, row->trials, without);
+    row->build_s = median_of(item->build_s, row->trials, without);
+    row->total_s = median_of(item->total_s, row->trials, without);
+    row->cost_added = cost_of(item, without) / cost_of(all_beside(job, row), without) - 1.0;
     row->error = pm__tally_error(&item->tally);
     fill_flux(job, item, without);
 }
@@ -108,11 +136,7 @@ static void compare(const span *mine, const span *all, pm__storage_front *front)
         const pm__equal equal = pm__equal_error(&own, &other);
         *ratios[c] = equal.ratio;
         *intervals[c] = equal.ci95;
-        if (c == STORED && equal.at != SIZE_MAX) {
-            front->row = mine->row + equal.at;
-            const pm__view_error *const error = &mine->items[equal.at].row.error;
-            front->rel_error = front->whole ? error->rmse : error->added;
-        }
+        front->rel_error = equal.error;
         if (equal.why)
             (void)snprintf(front->detail, sizeof front->detail, "%s", equal.why);
     }
@@ -133,7 +157,7 @@ static pm_status list_front(const span *s, cost what, size_t **front, size_t *co
 static pm_status fill_front(const span *mine, const span *all, pm__storage_front *front)
 {
     const pm__interval none = {(double)NAN, (double)NAN};
-    *front = (pm__storage_front){.policy = mine->items->row.policy, .map = mine->items->row.map, .row = SIZE_MAX,
+    *front = (pm__storage_front){.policy = mine->items->row.policy, .map = mine->items->row.map,
                                  .rel_error = (double)NAN, .whole = mine->whole, .stored_ratio = (double)NAN,
                                  .trace_ratio = (double)NAN,
                                  .time_ratio = (double)NAN, .stored_ci95 = none, .trace_ci95 = none,
@@ -172,7 +196,7 @@ static pm_status find_all(const pm__storage_job *job, pm__map_kind kind, bool wh
     for (size_t i = 0, count; i < job->item_count && !job->items[i].hidden; i += count) {
         count = run_length(job, i);
         const pm__storage_row *const row = &job->items[i].row;
-        if (row->map == kind && strcmp(row->policy->entry->name, "all") == 0 && all_shown(job, i, count))
+        if (row->map == kind && pm__storage_is_all(row) && all_shown(job, i, count))
             return list_span(&job->items[i], count, 0, whole, all);
     }
     return PM_OK;

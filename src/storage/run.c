@@ -34,14 +34,14 @@ static void note(pm__storage_job *job, pm__storage_item *item, size_t trial, con
     const double importance_s = pm__policy_needs_importance(item->row.policy) ? job->importance_s : 0.0;
     item->stored[trial] = (double)set->count;
     item->trace_s[trial] = set->trace_s;
+    item->policy_s[trial] = set->policy_s;
+    item->build_s[trial] = build_s;
     item->total_s[trial] = importance_s + set->trace_s + set->policy_s + build_s;
     for (int p = 0; p < PM__PARTS; p++) {
         item->flux[p][trial] = set->flux[p];
         item->came[p][trial] = set->came[p];
     }
     item->emitted += (double)set->emitted;
-    item->policy_s += set->policy_s;
-    item->build_s += build_s;
     item->row.unmet += set->unmet;
     item->row.starved += item->row.wanted && set->emitted >= PM__MOST_SENT * (uint64_t)item->row.wanted;
     item->row.trials++;
@@ -94,6 +94,21 @@ static void tell_trials(pm__storage_job *job, const pm__storage_item *item)
                             row->policy->entry->name);
 }
 
+/* Importance is found where photons first ask for it, and kept: once before the trials, for it is no policy's cost. */
+static pm_status warm(pm__storage_job *job, pm_error *error)
+{
+    pm_status status = PM_OK;
+    for (size_t i = 0; i < job->item_count && status == PM_OK; i++) {
+        pm__stored_photons set = {0};
+        if (!job->items[i].largest)
+            continue;
+        status = pm__storage_canceled(job) ? PM_ECANCELED
+                                           : store(job, &job->items[i].row, job->wish->trials, &set, error);
+        pm__stored_photons_free(&set);
+    }
+    return status;
+}
+
 static pm_status run_trials(pm__storage_job *job, pm_error *error)
 {
     const pm__storage_wish *const w = job->wish;
@@ -118,6 +133,8 @@ static void free_item(pm__storage_item *item)
     pm__tally_free(&item->tally);
     free(item->stored);
     free(item->trace_s);
+    free(item->policy_s);
+    free(item->build_s);
     free(item->total_s);
     for (int p = 0; p < PM__PARTS; p++) {
         free(item->flux[p]);
@@ -142,6 +159,8 @@ pm_status pm__storage_measure(const pm__storage_wish *wish, pm__storage_result *
     *result = (pm__storage_result){.row_count = 0};
     pm__storage_job job = {.wish = wish, .result = result};
     pm_status status = pm__storage_prepare(&job, error);
+    if (status == PM_OK)
+        status = warm(&job, error);
     if (status == PM_OK)
         status = run_trials(&job, error);
     result->interrupted = status == PM_ECANCELED;

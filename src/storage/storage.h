@@ -39,7 +39,8 @@ typedef struct pm__storage_wish {
     void *context;
 } pm__storage_wish;
 
-/* NAN (intervals: low is NAN) stands for a value that does not exist. Means are over trials; times are wall clock. */
+/* NAN (intervals: low is NAN) stands for a value that does not exist. Means are over trials; times are wall clock,
+ * medians over trials. */
 typedef struct pm__storage_row {
     const pm__spec *policy;
     pm__map_kind map;
@@ -48,6 +49,7 @@ typedef struct pm__storage_row {
     size_t importons;             /* of this map's importance; 0: the policy needs none */
     double emitted, stored;       /* means */
     double importance_s, trace_s, policy_s, build_s, total_s; /* total: all of them, until the map can be looked up */
+    double cost_added;            /* trace_s + policy_s over those of `all` asked for as many, less 1; NAN: no `all` */
     double flux[PM__PARTS];       /* W, all bands: stored */
     double expected[PM__PARTS];   /* W: what comes with even sending, by `all` with the largest number */
     pm__interval flux_ci95[PM__PARTS]; /* of flux over expected, over trials */
@@ -61,14 +63,13 @@ typedef struct pm__storage_row {
 
 /* At equal error to `all`: how many times as many photons, and how much more time, it needs. By what maps add
  * (tally.h), which knows little of the noise that all share; by the whole error where a row adds nothing to that of
- * large maps. At the least error of the policy that is an error of `all` too, whose cost there follows from its sizes,
- * by straight lines between logarithms. Intervals are over trials: both are given the same ones. */
+ * large maps. At the least error that both reach: that of a size of one of them; what the other costs there follows
+ * from its sizes, by straight lines between logarithms. Intervals are over trials: both are given the same ones. */
 typedef struct pm__storage_front {
     const pm__spec *policy;
     pm__map_kind map;
-    size_t row;                    /* at which; SIZE_MAX: there is none */
     bool whole;                    /* by the whole error; else by what is added */
-    double rel_error;
+    double rel_error;              /* at which */
     double stored_ratio, trace_ratio, time_ratio;
     pm__interval stored_ci95, trace_ci95, time_ci95;
     size_t *stored_front, *time_front; /* rows of the policy that no other of its own beats in both; ascending cost */

@@ -11,7 +11,7 @@
 static const char row_keys[] =
     "scene policy map emitted stored importons trace_s total_s flux_stored flux_expected power_spread rel_bias "
     "rel_noise rel_rmse rel_rmse_ci95 rel_bias_ci95 rms_bias rel_added rel_added_ci95 photons wanted trials "
-    "importance_s policy_s build_s flux_kept flux_ratio flux_ratio_ci95 flux_important_stored "
+    "importance_s policy_s build_s cost_added flux_kept flux_ratio flux_ratio_ci95 flux_important_stored "
     "flux_important_expected flux_important_ratio flux_important_ratio_ci95 unmet spp truth_mean status detail";
 static const char front_keys[] = "scene policy map measure rel_error stored_ratio stored_ratio_ci95 trace_ratio "
                                  "trace_ratio_ci95 time_ratio time_ratio_ci95 stored_front time_front status detail";
@@ -39,6 +39,10 @@ START_TEST(rows_have_the_contract)
         ck_assert_double_ge(pm__number_of(row, "power_spread"), 1.0);
         ck_assert_double_ge(pm__number_of(row, "total_s"), pm__number_of(row, "trace_s"));
         ck_assert_double_eq(pm__number_of(row, "trials"), 3.0);
+        if (i / 2 % 3 == 0) /* `all` beside itself */
+            ck_assert_double_eq(pm__number_of(row, "cost_added"), 0.0);
+        else
+            ck_assert_double_gt(pm__number_of(row, "cost_added"), -1.0);
         ck_assert_double_eq(pm__number_of(row, "spp"), 4.0);
         ck_assert_str_eq(pm__text_of(row, "status"), "ok");
     }
@@ -92,7 +96,8 @@ END_TEST
 
 static char *comparable(json_t *root)
 {
-    static const char *const times[] = {"trace_s", "total_s", "importance_s", "policy_s", "build_s"};
+    static const char *const times[] = {"trace_s", "total_s", "importance_s", "policy_s", "build_s",
+                                         "cost_added"};
     for (size_t i = 0; i < pm__items(root, "rows"); i++)
         for (size_t t = 0; t < sizeof times / sizeof *times; t++)
             (void)json_object_del(pm__item(root, "rows", i), times[t]);

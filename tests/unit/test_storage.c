@@ -1,5 +1,4 @@
-/* What storage policies are measured by: the view, errors told without the noise that trials share, costs at equal
- * error, pictures. */
+/* What storage policies are measured by: the view, errors told without the noise that trials share, pictures. */
 #include "../test.h"
 
 #include "../../cases/scenes/list.h"
@@ -7,7 +6,6 @@
 #include "../../src/image/false_colour.h"
 #include "../../src/image/png.h"
 #include "../../src/methods/stage.h"
-#include "../../src/storage/equal.h"
 #include "../../src/storage/lights.h"
 #include "../../src/storage/tally.h"
 #include "../../src/storage/viewing.h"
@@ -266,59 +264,6 @@ START_TEST(jackknife)
 }
 END_TEST
 
-/* ---- Equal error ------------------------------------------------------------------------------- */
-
-/* all: squared error 1 / N. mine: 1 / (3 N), so at equal error all needs 3 times as many, whatever its sizes; trials
- * that scale both alike leave no doubt. */
-START_TEST(ratios_at_equal_error)
-{
-    const double factor[3] = {0.9, 1.0, 1.1}, sizes[3] = {100.0, 1000.0, 10000.0}, mine_sizes[2] = {50.0, 2000.0};
-    double square[3][3], cost[3][3], mine_square[2][3], mine_cost[2][3];
-    for (int t = 0; t < 3; t++) {
-        for (int i = 0; i < 3; i++) {
-            square[i][t] = factor[t] / sizes[i];
-            cost[i][t] = sizes[i];
-        }
-        for (int i = 0; i < 2; i++) {
-            mine_square[i][t] = factor[t] / (3.0 * mine_sizes[i]);
-            mine_cost[i][t] = mine_sizes[i];
-        }
-    }
-    const double *const s[3] = {square[2], square[0], square[1]}, *const c[3] = {cost[2], cost[0], cost[1]};
-    const double *const ms[2] = {mine_square[0], mine_square[1]}, *const mc[2] = {mine_cost[0], mine_cost[1]};
-    const pm__sizes all = {3, 3, s, c}, mine = {2, 3, ms, mc}, one = {1, 3, s, c}, large = {1, 3, &ms[1], &mc[1]};
-    const pm__equal equal = pm__equal_error(&mine, &all);
-    ck_assert_uint_eq(equal.at, 1); /* the least error: 2000 photons, as 6000 of all */
-    PM_CHECK_NEAR(equal.ratio, 3.0, 1e-9);
-    PM_CHECK_NEAR(equal.ci95.low, 3.0, 1e-9);
-    PM_CHECK_NEAR(equal.ci95.high, 3.0, 1e-9);
-    ck_assert_ptr_null(equal.why);
-    /* To itself: 1. */
-    PM_CHECK_NEAR(pm__equal_error(&all, &all).ratio, 1.0, 1e-12);
-    ck_assert_ptr_nonnull(pm__equal_error(&mine, &one).why);
-    ck_assert(isnan(pm__equal_error(&mine, &one).ratio));
-    /* mine at 2000 errs less than half of the others: nothing of it is within their range the other way. */
-    const pm__sizes small = {2, 3, &s[1], &c[1]};
-    ck_assert_ptr_nonnull(strstr(pm__equal_error(&large, &small).why, "smaller than all"));
-    const pm__sizes coarse = {1, 3, &s[1], &c[1]};
-    ck_assert_ptr_nonnull(strstr(pm__equal_error(&coarse, &mine).why, "larger than all") ? "" : NULL);
-}
-END_TEST
-
-START_TEST(fronts_are_undominated)
-{
-    const double square[4][2] = {{4.0, 4.0}, {1.0, 1.0}, {2.0, 2.0}, {0.5, 0.5}};
-    const double cost[4][2] = {{1.0, 1.0}, {2.0, 2.0}, {3.0, 3.0}, {1.5, 1.5}};
-    const double *const s[4] = {square[0], square[1], square[2], square[3]};
-    const double *const c[4] = {cost[0], cost[1], cost[2], cost[3]};
-    const pm__sizes sizes = {4, 2, s, c};
-    size_t front[4];
-    ck_assert_uint_eq(pm__undominated(&sizes, front), 2);
-    ck_assert_uint_eq(front[0], 0);
-    ck_assert_uint_eq(front[1], 3);
-}
-END_TEST
-
 /* ---- Pictures ---------------------------------------------------------------------------------- */
 
 START_TEST(colours_and_png)
@@ -366,4 +311,4 @@ START_TEST(colours_and_png)
 END_TEST
 
 PM_TEST_MAIN("storage", even_light_gives_an_even_image, lights_by_turns, errors_are_unbiased,
-             errors_without_noise, jackknife, ratios_at_equal_error, fronts_are_undominated, colours_and_png)
+             errors_without_noise, jackknife, colours_and_png)
