@@ -301,9 +301,11 @@ static pm_status prepare(run *r)
     if (status == PM_OK && s->planned > 0 && s->policy->send)
         status = s->policy->send->plan(s);
     r->set->emitted = s->tried;
-    r->set->trace_s += pm__seconds() - start;
+    const double planned = pm__seconds();
+    r->set->trace_s += planned - start;
     if (status == PM_OK && s->policy->keep->begin)
         status = s->policy->keep->begin(s);
+    r->set->policy_s += pm__seconds() - planned;
     return status == PM_ENOMEM ? out_of_memory(r) : status;
 }
 
