@@ -283,11 +283,11 @@ typedef struct pm_estimation {
 /* One estimate. An empty neighbourhood is 0 with PM_OK. Where max_radius comes before the k-th photon
  * the region is the whole max_radius and every photon counts in full. EDEGENERATE: the photons span no
  * area (all at distance 0; a hull of no more than 2^-23 of its width squared), or single precision cannot tell
- * how far they are: a region below 2^-60, a query beyond 1e18 of pm_map_unit. ENONFINITE: the BRDF gave NaN or infinity. EINVAL: maps, dimensions or k that
- * the estimator cannot use (`combined` wants k >= 3 a map). Sums run in double: relative error of a sum of n equal
- * powers below (n + 16) * 2^-53, beside r squared, which in single precision errs by 5 * 2^-24 at most and not at
- * all where its squares fit 24 bits; src/stress/stress.h has the bound of each estimator. Cost: the search, then
- * O(k). */
+ * how far they are: a region below 2^-60, a query beyond 1e18 of pm_map_unit. ENONFINITE: the BRDF gave NaN or
+ * infinity. EINVAL: maps, dimensions or k that the estimator cannot use (`combined` wants k >= 3 a map). Sums
+ * run in double: relative error of a sum of n equal powers below (n + 16) * 2^-53, beside r squared, which in
+ * single precision errs by 5 * 2^-24 at most and not at all where its squares fit 24 bits; src/stress/stress.h
+ * has the bound of each estimator. Cost: the search, then O(k). */
 PM_API pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, const pm_query *query,
                              pm_workspace *workspace, pm_estimation *estimation);
 

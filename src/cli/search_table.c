@@ -129,6 +129,18 @@ static bool compare_rows(const pm__search_row *best, const pm__search_row *row, 
     return used > 0;
 }
 
+/* Two long names take a second line. */
+static void print_verdict(FILE *file, bool told_apart, const char *one, const char *other, const char *ratio)
+{
+    char text[3 * LABEL + 64];
+    if (told_apart)
+        (void)snprintf(text, sizeof text, "%s is %s times faster than %s", one, ratio, other);
+    else
+        (void)snprintf(text, sizeof text, "%s and %s are not distinguishable (%s)", one, other, ratio);
+    (void)fputs("  ", file);
+    pm__wrap(file, text, 2, 4);
+}
+
 static void print_comparison(FILE *file, const pm__search_row *best, const pm__search_row *row, double level)
 {
     char best_name[LABEL], name[LABEL], text[48];
@@ -139,10 +151,7 @@ static void print_comparison(FILE *file, const pm__search_row *best, const pm__s
     if (!compare_rows(best, row, level, &ratio, &ci95))
         return;
     ratio_text(ratio, ci95, row->samples < best->samples ? row->samples : best->samples, text);
-    if (ci95.low > 1.0 && enough_rounds(row->samples, level))
-        (void)fprintf(file, "  %s is %s times faster than %s\n", best_name, text, name);
-    else
-        (void)fprintf(file, "  %s and %s are not distinguishable (%s)\n", best_name, name, text);
+    print_verdict(file, ci95.low > 1.0 && enough_rounds(row->samples, level), best_name, name, text);
 }
 
 /* A row whose baseline is in another run's table. */
@@ -157,11 +166,9 @@ static void print_against_baseline(FILE *file, const pm__search_row *row)
     ratio_text(ratio, ci95, row->samples, text);
     if (!isfinite(ratio))
         return;
-    if (ci95.low > 1.0 && enough_rounds(row->samples, 0.95))
-        (void)fprintf(file, "  %s is %s times faster than %s\n", faster ? name : row->baseline, text,
-                      faster ? row->baseline : name);
-    else
-        (void)fprintf(file, "  %s and %s are not distinguishable (%s)\n", name, row->baseline, text);
+    const bool told_apart = ci95.low > 1.0 && enough_rounds(row->samples, 0.95);
+    print_verdict(file, told_apart, told_apart && !faster ? row->baseline : name,
+                  told_apart && !faster ? name : row->baseline, text);
 }
 
 static void print_summary(FILE *file, const pm__search_row **sorted, size_t count)

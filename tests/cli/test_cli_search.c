@@ -164,8 +164,8 @@ END_TEST
 /* One round has no interval; names are whole. */
 START_TEST(test_screen_of_one_round)
 {
-    const pm__run *const run = pm__expect("search --case square --photons 500 --samples 1 --search recursive,unbalanced "
-                                          "--k 5 --lookup ellipsoid:2.125 --front on --quiet", 0, NULL);
+    const pm__run *const run = pm__expect("search --case square --photons 500 --samples 1 --k 5 --quiet --front on "
+                                          "--search recursive,unbalanced --lookup ellipsoid:2.125", 0, NULL);
     ck_assert_msg(strstr(run->out, "±") == NULL, "%s", run->out);
     ck_assert_msg(strstr(run->out, "\n  recursive front ellipsoid:2.125 ") != NULL, "%s", run->out);
     ck_assert_msg(strstr(run->out, "\n  unbalanced front ellipsoid:2.125\n") != NULL, "%s", run->out);

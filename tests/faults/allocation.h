@@ -254,8 +254,8 @@ static inline void pm__digest(uint64_t *digest, const void *bytes, size_t size)
 }
 
 /* Each of the first pm__all_below allocations, then steps of a pm__each_part-th of n; with PM_FULL=1 in the environment
- * all, or, for what allocates so often that all would take hours, pm__full_below and pm__full_part likewise. Returns how
- * many there were. */
+ * all, or, for what allocates so often that all would take hours, pm__full_below and pm__full_part likewise. Returns
+ * how many there were. */
 static uint64_t pm__all_below = 250, pm__each_part = 80;
 static uint64_t pm__full_below = UINT64_MAX, pm__full_part = 1;
 static inline uint64_t pm__refuse_each(const char *name, pm__try attempt, void *context, bool from_then_on)
