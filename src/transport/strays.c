@@ -241,8 +241,8 @@ static void take_back(pm__storage *storage, size_t end, bool one_is_enough)
         sender->place_count--;
 }
 
-/* Where the paths end by which, each with its parts, there are as many as are wanted: as pm__stock_taken has it, so that
- * paths are still equally likely in all orders (errata 37). */
+/* Where the paths end by which, each with its parts, as many as are wanted are there: as pm__stock_taken has it, so
+ * that paths are still equally likely in all orders (errata 37). */
 static size_t end_with_parts(const pm__storage *storage, const pm__stray_places *places, bool *one_is_enough)
 {
     const size_t settled = storage->settled, wanted = storage->config->stored;
