@@ -304,10 +304,12 @@ static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_
 
 const pm__command pm__command_list = {
     .name = "list",
-    .operands = "[estimators|searches|cases|scenes|samplers|methods|policies|metrics]",
+    .operands = "[KIND]",
     .max_operands = 1,
     .job = "what there is, with parameters, their defaults and ranges, and where it comes from",
-    .text = "Examples:\n"
+    .text = "A KIND is estimators, searches, cases, scenes, samplers, methods, policies or metrics; without one,\n"
+            "all are shown.\n\n"
+            "Examples:\n"
             "  photonbench list\n"
             "  photonbench list estimators\n"
             "  photonbench list cases --json -\n",

@@ -9,10 +9,12 @@
 
 #include "../base/clock.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 typedef struct finding {
     pm__measured measured; /* without its map */
@@ -153,11 +155,11 @@ bool pm__is_image_file(const char *path)
     struct stat status;
     if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return false;
-    FILE *const file = fopen(path, "rb");
-    const bool is = file && fread(bytes, 1, sizeof bytes, file) == sizeof bytes &&
-                    memcmp(bytes, magic, sizeof magic) == 0;
-    if (file)
-        (void)fclose(file);
+    const int file = open(path, O_RDONLY | O_CLOEXEC); /* no stream, which memory could be refused for */
+    if (file < 0)
+        return false;
+    const bool is = read(file, bytes, sizeof bytes) == (ssize_t)sizeof bytes && memcmp(bytes, magic, sizeof magic) == 0;
+    (void)close(file);
     return is;
 }
 
