@@ -1,12 +1,12 @@
-/* FLIP of what a display shows: flip_map.h has the formula. Of each image R G B times 2^exposure over the `white`
- * (metric.h), cut to 0 ... 1; both are shown alike, by the reference. `ppd`: pixels to the degree of the viewer's eye;
- * 67 are a display of 3840 pixels and 0.7 m, seen from 0.7 m, the publication's default. */
+/* FLIP of what a display shows: flip_map.h has the formula. Of each image R G B, with the `grey` shown as 0.18
+ * (metric.h) and times 2^exposure, cut to 0 ... 1; both are shown alike, by the reference. `ppd`: pixels to the degree of
+ * the viewer's eye; 67 are a display of 3840 pixels and 0.7 m, seen from 0.7 m, the publication's default. */
 #include "flip_map.h"
 #include "metric.h"
 
 #include <math.h>
 
-enum { PPD, EXPOSURE, WHITE };
+enum { PPD, EXPOSURE, GREY };
 
 static const pm__param params[] = {
     {"ppd", PM__REAL, 67.0, 1.0, 1000.0, "1/degree", NULL, "pixels to the degree, as the viewer sees the image"},
@@ -30,7 +30,7 @@ static pm_status measure(const pm__metric_job *job, double *map, pm__shown *at, 
     const pm__plane plane = {job->reference->width, job->reference->height};
     double factor;
     pm__flip_filters filters;
-    pm_status status = pm__display_factor(job->reference, job->values[EXPOSURE], job->values[WHITE] > 0.0, &factor,
+    pm_status status = pm__display_factor(job->reference, job->values[EXPOSURE], job->values[GREY] > 0.0, &factor,
                                           error);
     if (status != PM_OK)
         return status;

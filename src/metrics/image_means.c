@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double white_share = 0.99; /* of pixels are no brighter than the display's 1 */
+static const double middle_grey = 0.18; /* half as light as white to the eye: L* is 49.5 */
 
 double pm__mean_size(const pm__image *image)
 {
@@ -22,28 +22,16 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of all pixels, sorted; what is below 0 counts as 0. NULL: out of memory. */
-static double *sorted_luminances(const pm__image *image, pm_error *error)
-{
-    const size_t pixels = image->width * image->height;
-    double *const values = pm__alloc(pixels, sizeof *values);
-    if (!values) {
-        (void)pm__fail(error, PM_ENOMEM, "out of memory for %zu pixels", pixels);
-        return NULL;
-    }
-    for (size_t p = 0; p < pixels; p++)
-        values[p] = fmax(0.0, pm__luminance(image, p));
-    qsort(values, pixels, sizeof *values, ascending);
-    return values;
-}
-
 pm_status pm__luminance_range(const pm__image *image, double *most, double *median, pm_error *error)
 {
     const size_t pixels = image->width * image->height;
-    double *const values = sorted_luminances(image, error);
-    if (!values)
-        return PM_ENOMEM;
+    double *const values = pm__alloc(pixels, sizeof *values);
     size_t dark = 0;
+    if (!values)
+        return pm__fail(error, PM_ENOMEM, "out of memory for %zu pixels", pixels);
+    for (size_t p = 0; p < pixels; p++)
+        values[p] = fmax(0.0, pm__luminance(image, p));
+    qsort(values, pixels, sizeof *values, ascending);
     while (dark < pixels && !(values[dark] > 0.0))
         dark++;
     *most = values[pixels - 1];
@@ -54,19 +42,10 @@ pm_status pm__luminance_range(const pm__image *image, double *most, double *medi
     return PM_OK;
 }
 
-pm_status pm__display_factor(const pm__image *reference, double exposure, bool one, double *factor, pm_error *error)
+pm_status pm__display_factor(const pm__image *reference, double exposure, bool plain, double *factor, pm_error *error)
 {
-    const size_t pixels = reference->width * reference->height;
-    double white = 1.0;
-    if (!one) {
-        double *const values = sorted_luminances(reference, error);
-        if (!values)
-            return PM_ENOMEM;
-        white = values[(size_t)(white_share * (double)(pixels - 1))];
-        if (!(white > 0.0))
-            white = values[pixels - 1] > 0.0 ? values[pixels - 1] : 1.0;
-        free(values);
-    }
-    *factor = exp2(exposure) / white;
-    return PM_OK;
+    double most, median = 0.0;
+    const pm_status status = plain ? PM_OK : pm__luminance_range(reference, &most, &median, error);
+    *factor = exp2(exposure) * (median > 0.0 ? middle_grey / median : 1.0);
+    return status;
 }

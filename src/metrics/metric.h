@@ -46,13 +46,13 @@ static inline double pm__luminance(const pm__image *image, size_t p)
 pm_status pm__luminance_range(const pm__image *image, double *most, double *median, pm_error *error);
 
 /* The parameters of metrics that look at images as a display shows them: the factor from radiance to the display's 0 to
- * 1. white `auto`: the luminance that 99 % of the reference's pixels do not exceed is shown as 1 (the largest where
- * that is 0; a black reference: 1 W/(m2 sr)); `one`: 1 W/(m2 sr) is. exposure: stops above that. image_means.c */
-#define PM__DISPLAY_PARAMS                                                                                            \
-    {"exposure", PM__REAL, 0.0, -60.0, 60.0, "stops", NULL, "brighter than by `white`"},                              \
-    {"white", PM__CHOICE, 0.0, 0.0, 0.0, "", "auto|one",                                                              \
-     "auto: the reference's 99th percentile of luminance is shown as 1; one: 1 W/(m2 sr) is"}
-pm_status pm__display_factor(const pm__image *reference, double exposure, bool one, double *factor, pm_error *error);
+ * 1. grey `auto`: the reference's median luminance (as above) is shown as 0.18, a middle grey, whatever the lamps are;
+ * `none`, or a black reference: 1 W/(m2 sr) is shown as 1. exposure: stops above that. image_means.c */
+#define PM__DISPLAY_PARAMS                                                                                   \
+    {"exposure", PM__REAL, 0.0, -60.0, 60.0, "stops", NULL, "brighter than by `grey`"},                      \
+    {"grey", PM__CHOICE, 0.0, 0.0, 0.0, "", "auto|none",                                                     \
+     "auto: the reference's median luminance is shown as middle grey, 0.18; none: 1 W/(m2 sr) as white, 1"}
+pm_status pm__display_factor(const pm__image *reference, double exposure, bool plain, double *factor, pm_error *error);
 
 /* What relmse, mape and smape add to divisors; see there. */
 #define PM__EPSILON_PARAMS                                                                                            \

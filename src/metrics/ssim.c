@@ -4,9 +4,9 @@
  *
  * with means m, variances s^2 and covariance s_ab under a Gaussian of 1.5 pixels, 11 x 11 of them; C1 = (0.01 L)^2,
  * C2 = (0.03 L)^2, L = 1 the range. It was made for pictures, so it is taken of what a display shows: the luminance
- * (Rec. 709) times 2^exposure over the `white` (metric.h), cut to 0 ... 1, encoded as sRGB. Both images are shown
- * alike, by the reference. Beyond the border lies the nearest pixel, so that the map has all pixels (the paper leaves
- * the border out). No unit; -1 to 1, 1 for equal images: larger is better. Symmetric but for `white`. */
+ * (Rec. 709), with the `grey` shown as 0.18 (metric.h) and times 2^exposure, cut to 0 ... 1, encoded as sRGB. Both
+ * images are shown alike, by the reference. Beyond the border lies the nearest pixel, so that the map has all pixels
+ * (the paper leaves the border out). No unit; -1 to 1, 1 for equal images: larger is better. Symmetric but for `grey`. */
 #include "../base/memory.h"
 #include "filter.h"
 #include "metric.h"
@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { EXPOSURE, WHITE, RADIUS = 5, A = 0, B, AA, BB, AB, SOURCE, SCRATCH, PLANES };
+enum { EXPOSURE, GREY, RADIUS = 5, A = 0, B, AA, BB, AB, SOURCE, SCRATCH, PLANES };
 static const double width = 1.5, c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
 
 static const pm__param params[] = {PM__DISPLAY_PARAMS};
@@ -58,7 +58,7 @@ static pm_status measure(const pm__metric_job *job, double *map, pm__shown *at, 
     double factor, *planes[PLANES];
     pm__kernel kernel = {0};
     const size_t pixels = pm__pixels_of(job);
-    pm_status status = pm__display_factor(job->reference, job->values[EXPOSURE], job->values[WHITE] > 0.0, &factor,
+    pm_status status = pm__display_factor(job->reference, job->values[EXPOSURE], job->values[GREY] > 0.0, &factor,
                                           error);
     if (status != PM_OK)
         return status;

@@ -66,8 +66,8 @@ START_TEST(rows)
     json_t *const root = pm__expect_json(line_of("compare @a.exr @b.exr --json -"));
     pm__check_keys(root, "schema command version options seed machine wall_s rows");
     static const char *const metrics[] = {"mse", "relmse:epsilon=0.01,unit=mean", "mape:epsilon=0.01,unit=mean",
-                                          "smape:epsilon=0.01,unit=mean", "ssim:exposure=0,white=auto",
-                                          "flip:ppd=67,exposure=0,white=auto", "hdrflip:ppd=67"};
+                                          "smape:epsilon=0.01,unit=mean", "ssim:exposure=0,grey=auto",
+                                          "flip:ppd=67,exposure=0,grey=auto", "hdrflip:ppd=67"};
     ck_assert_uint_eq(pm__items(root, "rows"), 7);
     for (size_t i = 0; i < 7; i++) {
         json_t *const row = pm__item(root, "rows", i);

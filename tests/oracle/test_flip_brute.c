@@ -189,7 +189,7 @@ START_TEST(flip_by_brute_force)
     static plane want;
     pm__image a, b;
     make_pair(&a, &b);
-    static const char *const specs[] = {"flip:ppd=67,white=one", "flip:ppd=20.5,white=one", "flip:ppd=1,white=one"};
+    static const char *const specs[] = {"flip:ppd=67,grey=none", "flip:ppd=20.5,grey=none", "flip:ppd=1,grey=none"};
     static const long double ppds[] = {67.0L, 20.5L, 1.0L};
     show(&a, 1.0L, false, &shown_a);
     show(&b, 1.0L, false, &shown_b);
@@ -269,7 +269,7 @@ START_TEST(ssim_by_brute_force)
         }
         filter_square(products, 5, gauss, (const long double[]){1.5L}, moments[k]);
     }
-    pm__measured m = measure("ssim:white=one", &a, &b);
+    pm__measured m = measure("ssim:grey=none", &a, &b);
     for (int p = 0; p < W * H; p++) {
         const int x = p % W, y = p / W;
         const long double ma = moments[0][y][x], mb = moments[1][y][x], saa = moments[2][y][x] - ma * ma;

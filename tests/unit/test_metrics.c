@@ -62,8 +62,8 @@ START_TEST(signs_count_in_differences_only)
 }
 END_TEST
 
-/* Constant images have no variance: what is left is (2 a b + C1) / (a^2 + b^2 + C1) of sRGB codes. White is the
- * reference's 0.5, code 1; 0.125 is 0.25 of it, code 1.055 0.25^(1/2.4) - 0.055 = 0.537099. */
+/* Constant images have no variance: what is left is (2 a b + C1) / (a^2 + b^2 + C1) of sRGB codes. A stop brighter,
+ * 0.5 is white, code 1, and 0.125 is 0.25, code 1.055 0.25^(1/2.4) - 0.055 = 0.537099. */
 START_TEST(ssim_of_constants)
 {
     const double code = 1.055 * pow(0.25, 1.0 / 2.4) - 0.055;
@@ -73,17 +73,38 @@ START_TEST(ssim_of_constants)
         b.values[i] = 0.5F;
     }
     PM_CHECK_NEAR(code, 0.537099, 1e-6);
-    pm__measured m = measure("ssim", &a, &b);
+    pm__measured m = measure("ssim:grey=none,exposure=1", &a, &b);
     for (size_t p = 0; p < 36; p++)
         PM_CHECK_NEAR(m.map[p], (2.0 * code + 1e-4) / (1.0 + code * code + 1e-4), 1e-9);
     ck_assert_uint_eq(m.shown.count, 1);
-    PM_CHECK_NEAR(m.shown.start, 1.0, 1e-12); /* 0.5 is doubled */
+    PM_CHECK_NEAR(m.shown.start, 1.0, 1e-12);
     pm__measured_free(&m);
-    /* Two stops brighter both are cut to 1. */
-    m = measure("ssim:exposure=2", &a, &b);
+    /* Three stops brighter both are 1 or above. */
+    m = measure("ssim:grey=none,exposure=3", &a, &b);
     PM_CHECK_NEAR(m.mean, 1.0, 1e-12);
     pm__measured_free(&m);
     pm__image_free(&a);
+    pm__image_free(&b);
+}
+END_TEST
+
+/* The median of 1 to 200 is 100.5, shown as 0.18; that of black and one dot is the dot's; lamps change nothing. */
+START_TEST(the_median_is_middle_grey)
+{
+    pm__image b = random_image(20, 10, 1);
+    for (size_t p = 0; p < 200; p++)
+        b.values[3 * p] = b.values[3 * p + 1] = b.values[3 * p + 2] = (float)(1 + p * 77 % 200);
+    for (size_t p = 0; p < 200; p++)
+        for (size_t c = 0; c < 3 && b.values[3 * p + c] > 150.0F; c++)
+            b.values[3 * p + c] = 1e6F;
+    pm__measured m = measure("ssim:exposure=3", &b, &b);
+    PM_CHECK_NEAR(m.shown.start, 3.0 + log2(0.18 / 100.5), 1e-6);
+    pm__measured_free(&m);
+    memset(b.values, 0, 3 * 200 * sizeof(float));
+    b.values[3 * 199 + 1] = 5.0F;
+    m = measure("flip", &b, &b);
+    PM_CHECK_NEAR(m.shown.start, log2(0.18 / (5.0 * 0.7152)), 1e-6);
+    pm__measured_free(&m);
     pm__image_free(&b);
 }
 END_TEST
@@ -128,7 +149,7 @@ START_TEST(flip_of_constants)
     PM_CHECK_NEAR(pairs[0].flip, 0.96738, 1e-5);
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         pm__image a = constant(30, 23, pairs[i].a), b = constant(30, 23, pairs[i].b);
-        pm__measured m = measure("flip:white=one", &a, &b);
+        pm__measured m = measure("flip:grey=none", &a, &b);
         for (size_t p = 0; p < 30 * 23; p++)
             PM_CHECK_NEAR(m.map[p], pairs[i].flip, 2e-5);
         pm__measured_free(&m);
@@ -214,7 +235,7 @@ END_TEST
 
 START_TEST(symmetric_where_said)
 {
-    static const char *const specs[] = {"mse", "smape", "ssim:white=one", "flip:white=one"};
+    static const char *const specs[] = {"mse", "smape", "ssim:grey=none", "flip:grey=none"};
     pm__image a = random_image(20, 20, 3), b = random_image(20, 20, 4);
     for (size_t i = 0; i < 4; i++)
         PM_CHECK_NEAR(mean_of(specs[i], &a, &b), mean_of(specs[i], &b, &a), 1e-14);
@@ -398,6 +419,6 @@ START_TEST(names_that_are_misspelt)
 END_TEST
 
 PM_TEST_MAIN("metrics", mse_by_hand, relative_errors_by_hand, signs_count_in_differences_only, ssim_of_constants,
-             flip_of_constants, colours_there_and_back, flip_filters, equal_images, symmetric_where_said, scale,
-             bounds_and_order, exposures_of_hdrflip, images_that_are_refused, black_references, extremes,
-             names_that_are_misspelt)
+             the_median_is_middle_grey, flip_of_constants, colours_there_and_back, flip_filters, equal_images,
+             symmetric_where_said, scale, bounds_and_order, exposures_of_hdrflip, images_that_are_refused,
+             black_references, extremes, names_that_are_misspelt)
