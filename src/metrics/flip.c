@@ -1,6 +1,6 @@
 /* FLIP of what a display shows: flip_map.h has the formula. Of each image R G B, with the `grey` shown as 0.18
- * (metric.h) and times 2^exposure, cut to 0 ... 1; both are shown alike, by the reference. `ppd`: pixels to the degree of
- * the viewer's eye; 67 are a display of 3840 pixels and 0.7 m, seen from 0.7 m, the publication's default. */
+ * (metric.h) and times 2^exposure, cut to 0 ... 1; both are shown alike, by the reference. `ppd`: pixels to the degree
+ * of the viewer's eye; 67 are a display of 3840 pixels and 0.7 m, seen from 0.7 m, the publication's default. */
 #include "flip_map.h"
 #include "metric.h"
 

@@ -6,7 +6,8 @@
  * C2 = (0.03 L)^2, L = 1 the range. It was made for pictures, so it is taken of what a display shows: the luminance
  * (Rec. 709), with the `grey` shown as 0.18 (metric.h) and times 2^exposure, cut to 0 ... 1, encoded as sRGB. Both
  * images are shown alike, by the reference. Beyond the border lies the nearest pixel, so that the map has all pixels
- * (the paper leaves the border out). No unit; -1 to 1, 1 for equal images: larger is better. Symmetric but for `grey`. */
+ * (the paper leaves the border out). No unit; -1 to 1, 1 for equal images: larger is better. Symmetric but for `grey`.
+ */
 #include "../base/memory.h"
 #include "filter.h"
 #include "metric.h"
