@@ -14,8 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Paths of the first chunk, and of the largest: each is twice the one before. */
-enum { FIRST_CHUNK = 4096, LARGEST_CHUNK = 65536 };
+/* Paths that are sent at a time: so few that their photons are still in the cache when what becomes of them is decided;
+ * eight times as many cost a fifth more. */
+enum { CHUNK = 8192 };
 
 /* Photons that are looked at together. */
 enum { PIECE = 2048 };
@@ -166,13 +167,12 @@ static pm_status run_chunk(run *r, uint64_t first, uint64_t count)
 
 static pm_status run_chunks(run *r)
 {
-    uint64_t first = 0, size = FIRST_CHUNK;
+    uint64_t first = 0;
     pm_status status = PM_OK;
     while (status == PM_OK && !r->full && first < r->storage.planned) {
-        const uint64_t left = r->storage.planned - first, count = left < size ? left : size;
+        const uint64_t left = r->storage.planned - first, count = left < CHUNK ? left : CHUNK;
         status = run_chunk(r, first, count);
         first += count;
-        size = size < LARGEST_CHUNK ? 2 * size : size;
     }
     return status;
 }
@@ -301,9 +301,11 @@ static pm_status prepare(run *r)
     if (status == PM_OK && s->planned > 0 && s->policy->send)
         status = s->policy->send->plan(s);
     r->set->emitted = s->tried;
-    r->set->trace_s += pm__seconds() - start;
+    const double planned = pm__seconds();
+    r->set->trace_s += planned - start;
     if (status == PM_OK && s->policy->keep->begin)
         status = s->policy->keep->begin(s);
+    r->set->policy_s += pm__seconds() - planned;
     return status == PM_ENOMEM ? out_of_memory(r) : status;
 }
 

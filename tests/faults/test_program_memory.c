@@ -194,6 +194,8 @@ START_TEST(storage)
 {
     pm__each_part = 3;
     pm__all_below = 40; /* each passes over its scene's importance and its reference */
+    pm__full_below = 200;
+    pm__full_part = 60;
     check_command("storage torus --policy density --photons 100 --trials 2 --spp 4 "
                   "--paths 100 --json @rows.json --csv @rows.csv" QUICK);
 }
@@ -203,6 +205,8 @@ START_TEST(speed)
 {
     pm__each_part = 3;
     pm__all_below = 20; /* clocks are waited for */
+    pm__full_below = 200;
+    pm__full_part = 60;
     check_command("speed corner --quantity trace,visualize,skip,pass --photons 50 --k 5 --size 4x4 "
                   "--seconds 0.01 --json @rows.json" QUICK);
 }
