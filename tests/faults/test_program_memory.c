@@ -40,7 +40,9 @@ static void digest_rows(const char *line, uint64_t *digest)
 
 static void remove_outputs(void)
 {
-    static const char *const names[] = {"rows.json", "rows.csv", "rows.md", "out", "err", "state", "image.exr"};
+    static const char *const names[] = {"rows.json", "rows.csv", "rows.md", "out", "err", "state", "image.exr",
+                                        "map.mse.exr", "map.mse.png", "map.ssim.exr", "map.ssim.png",
+                                        "map.hdrflip.exr", "map.hdrflip.png"};
     char path[PM__TEST_PATH];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         (void)unlink(pm__test_path(&pm__place, names[i], path));
@@ -152,6 +154,19 @@ START_TEST(comparisons)
 }
 END_TEST
 
+/* Maps that were complete before the refusal may stay. */
+START_TEST(comparisons_of_images)
+{
+    pm__place = pm__test_directory_create();
+    (void)pm__run_command("render plate --size 5x4 --photons 50 --spp 1 --k 5 -o @a.exr" QUICK);
+    (void)pm__run_command("render plate --size 5x4 --photons 90 --spp 2 --k 5 -o @b.exr" QUICK);
+    remove_outputs();
+    static const char line[] = "compare @a.exr @b.exr --metric mse,ssim,hdrflip -o @map --json @rows.json --quiet";
+    pm__each_refusal(line, run, &(commanding){line, 2});
+    pm__test_directory_remove(&pm__place);
+}
+END_TEST
+
 /* What was done is still there to go on from, whatever failed before. */
 START_TEST(resumed)
 {
@@ -204,4 +219,4 @@ START_TEST(list)
 END_TEST
 
 PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, estimates, comparisons,
-             resumed, advice, stress, storage, speed, list)
+             comparisons_of_images, resumed, advice, stress, storage, speed, list)
