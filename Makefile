@@ -15,7 +15,7 @@ PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
 PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image cases cases/scenes \
-    src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress bench bench/workloads src/cli
+    src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress src/report bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
@@ -176,6 +176,10 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 
 # The stored references are within this object.
 $(BUILD)/obj/src/image/reference.o: $(wildcard cases/scenes/references/*.exr)
+
+# So are the report's page, its list of errata and the scripts of its figures in these.
+$(BUILD)/obj/src/report/page.o: reports/page/dist/page.html reports/errata.json
+$(BUILD)/obj/src/report/figures.o: $(wildcard reports/figures/*.gp)
 
 $(BUILD)/obj/bench/peers/list.o: PM_EXTRA += $(PEER_DEFINES)
 $(BUILD)/obj/bench/peers/list.o: $(BUILD)/obj/bench/peers/.found
