@@ -9,7 +9,13 @@ if (format eq 'pdf') set terminal pdfcairo size 4.8 * columns, 3.8 * rows font '
 set output target
 set datafile separator ','
 set logscale xy
-set key noenhanced font ',8' top right
+set autoscale fix
+set xtics 4
+set ytics 2
+set format x '%.2g'
+set format y '%.3g'
+set key noenhanced font ',8' bmargin center horizontal height 1
+set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05
 set grid
 set xlabel 'cost of a map and its queries, s, one thread'
 set ylabel 'RMSE, % of the mean truth'
@@ -17,7 +23,8 @@ set multiplot layout rows, columns
 do for [p = 1:panels] {
     set title titles[p] noenhanced
     first = p == 1 ? 0 : last[p - 1] + 1
-    plot for [i = first:last[p]] data index i using 1:(100 * $2):(100 * $3):(100 * $4) with yerrorlines pointsize 0.6 title columnheader(1)
+    plot for [i = first:last[p]] data index i using 1:(100 * $2):(100 * $3):(100 * $4) with yerrorlines \
+        linetype style[i + 1] pointsize 0.6 title columnheader(1)
 }
 unset multiplot
 set output

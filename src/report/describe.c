@@ -3,7 +3,9 @@
 
 #include "../../cases/case.h"
 #include "../../estimators/estimator.h"
+#include "../methods/progressive/progressive.h"
 #include "../methods/render.h"
+#include "../transport/storing.h"
 
 #include <string.h>
 
@@ -43,7 +45,6 @@ static const char *kind_of(const pm__report_image *image, const char *stem)
     return content || image->channels != 3 ? "other" : "image";
 }
 
-/* A name with the parameters that are not the defaults; as it is where the program does not know it. */
 static void shorten(const pm__catalogue *catalogue, const char *text, char shorter[PM__NAME_SIZE])
 {
     pm__spec spec;
@@ -52,6 +53,19 @@ static void shorten(const pm__catalogue *catalogue, const char *text, char short
     if (pm__spec_parse(catalogue, text, &spec, NULL) == PM_OK)
         pm__spec_format_short(&spec, name, sizeof name);
     pm__quote_path(name, shorter);
+}
+
+void pm__report_shorten(const char *field, const char *text, char shorter[PM__NAME_SIZE])
+{
+    static const struct {
+        const char *field;
+        const pm__catalogue *catalogue;
+    } known[] = {{"case", &pm__all_cases},       {"scene", &pm__all_cases},    {"estimator", &pm__estimators},
+                 {"method", &pm__progressives}, {"policy", &pm__policies}};
+    pm__quote_path(text, shorter);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strcmp(field, known[i].field) == 0)
+            shorten(known[i].catalogue, text, shorter);
 }
 
 /* "disc, k = 50", "full: disc, k = 100", "path": by what the pixels were found. */

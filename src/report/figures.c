@@ -64,12 +64,13 @@ static void name_by(const json_t *row, const char *const fields[MOST_FIELDS], la
     for (int i = 0; i < MOST_FIELDS && fields[i]; i++) {
         const json_t *const value = json_object_get(row, fields[i]);
         const char *const gap = used ? " " : "";
-        if (used + 1 < sizeof(label) && json_is_string(value))
-            used += (size_t)snprintf(name + used, sizeof(label) - used, "%s%s", gap, json_string_value(value));
-        else if (used + 1 < sizeof(label) && json_is_number(value))
-            used += (size_t)snprintf(name + used, sizeof(label) - used, "%s%s%s%.6g", gap,
-                                     strcmp(fields[i], "photons") == 0 ? "" : fields[i],
-                                     strcmp(fields[i], "photons") == 0 ? "" : " ", json_number_value(value));
+        char text[PM__NAME_SIZE] = "";
+        if (json_is_string(value))
+            pm__report_shorten(fields[i], json_string_value(value), text);
+        else if (json_is_number(value))
+            (void)snprintf(text, sizeof text, "%s %.6g", fields[i], json_number_value(value));
+        if (*text)
+            used += (size_t)snprintf(name + used, sizeof(label) - used, "%s%s", gap, text);
         used = used < sizeof(label) ? used : sizeof(label) - 1;
     }
     for (char *p = name; *p; p++)
@@ -180,11 +181,16 @@ static size_t last_block(const plot *all, size_t panel)
     return blocks - 1;
 }
 
-/* What the script does not know: its panels' names and blocks. */
+/* What the script does not know: its panels' names and blocks, and in which colour each block is, so that a series has
+ * one in all panels. */
 static void write_head(const plot *all, size_t panels, const char *data_name, FILE *file)
 {
     (void)fprintf(file, "data = '%s'\npanels = %zu\narray titles[%zu]\narray last[%zu]\n", data_name, panels, panels,
                   panels);
+    (void)fprintf(file, "array style[%zu]\n", last_block(all, panels - 1) + 1);
+    for (size_t i = 0, block = 0; i < all->count && all->points[i].panel < panels; i++)
+        if (begins_series(all, i))
+            (void)fprintf(file, "style[%zu] = %zu\n", ++block, all->points[i].series + 1);
     for (size_t p = 0; p < panels; p++)
         (void)fprintf(file, "titles[%zu] = '%s'\nlast[%zu] = %zu\n", p + 1, all->panels[p], p + 1, last_block(all, p));
 }

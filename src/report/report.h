@@ -65,6 +65,10 @@ pm_status pm__report_add_image(pm__report *report, const char *path, char *bytes
 /* What an image shows, by its attributes and by its file's name: fills in name, scene, label and kind. */
 void pm__report_describe(pm__report_image *image, const char *stem);
 
+/* The value of a row's field, such as "estimator", with the parameters alone that are not the defaults; as it is where
+ * the program does not know it. */
+void pm__report_shorten(const char *field, const char *text, char shorter[PM__NAME_SIZE]);
+
 /* The report's date: now, or that of SOURCE_DATE_EPOCH (its text; NULL: not set). EINVAL. */
 pm_status pm__report_set_date(pm__report *report, const char *epoch, pm_error *error);
 
