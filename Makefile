@@ -15,7 +15,8 @@ PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
 PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image cases cases/scenes \
-    src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress src/report bench bench/workloads src/cli
+    src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress src/report \
+    bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
@@ -243,5 +244,6 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUI
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d) $(FUZZERS:=.d)
 .PHONY: all lib program install uninstall clean demo run-demo bench run-bench report run-report \
-    check check-san check-tsan check-full coverage fuzz fuzzers tests run-tests deps deps-build deps-bench deps-report help .FORCE
+    check check-san check-tsan check-full coverage fuzz fuzzers tests run-tests deps deps-build deps-bench deps-report \
+    help .FORCE
 .DELETE_ON_ERROR:

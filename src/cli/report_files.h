@@ -4,8 +4,8 @@
 
 #include "../report/report.h"
 
-/* The page and what stands beside it, into a folder that is made, with those above it, where there is none. Each file is
- * complete or absent, and the page is the last. EIO, ENOMEM, EBROKEN. */
+/* The page and what stands beside it, into a folder that is made, with those above it, where there is none. Each file
+ * is complete or absent, and the page is the last. EIO, ENOMEM, EBROKEN. */
 pm_status pm__report_files_write(const pm__report *report, const char *folder, pm_error *error);
 
 /* Tables and scripts of the figures that there are rows for, and, where gnuplot is installed, what it draws; where not,

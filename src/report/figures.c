@@ -157,7 +157,8 @@ static int compare_points(const void *left, const void *right)
 
 static bool begins_series(const plot *all, size_t i)
 {
-    return i == 0 || all->points[i].panel != all->points[i - 1].panel || all->points[i].series != all->points[i - 1].series;
+    const point *const p = &all->points[i];
+    return i == 0 || p->panel != p[-1].panel || p->series != p[-1].series;
 }
 
 /* One block a series, as gnuplot counts them: two empty lines between. */

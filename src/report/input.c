@@ -29,7 +29,8 @@ static pm_status tell_apart(const char *name, const char *bytes, size_t size, bo
     if (blanks < size && bytes[blanks] == '{')
         return PM_OK;
     if (size == 0)
-        return pm__fail(error, PM_EFORMAT, "%s: expected a result file (JSON) or an OpenEXR image, found nothing", name);
+        return pm__fail(error, PM_EFORMAT, "%s: expected a result file (JSON) or an OpenEXR image, found nothing",
+                        name);
     return pm__fail(error, PM_EFORMAT, "%s: byte %zu: expected {, which begins a result file, or an OpenEXR image",
                     name, blanks);
 }

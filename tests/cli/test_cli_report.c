@@ -435,7 +435,8 @@ START_TEST(figures_have_their_points)
                "\"rel_rmse_ci95\":[0.1,0.3],\"cost_s\":0.5},"
                "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"disc:last=full\",\"k\":5,\"rel_rmse\":0.4,"
                "\"rel_rmse_ci95\":null,\"cost_s\":0.25},"
-               "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"o'; system 'x\",\"k\":5,\"rel_rmse\":1,\"cost_s\":1},"
+               "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"o'; system 'x\",\"k\":5,"
+               "\"rel_rmse\":1,\"cost_s\":1},"
                "{\"case\":\"square\",\"region\":\"edge\",\"estimator\":\"hull\",\"k\":5,\"rel_rmse\":1,\"cost_s\":1},"
                "{\"case\":\"square\",\"region\":\"all\",\"estimator\":\"zero\",\"k\":5,\"rel_rmse\":0,\"cost_s\":1}]}");
     pm__run_program(line_of("@a.json -o @out --figures @fig"));

@@ -1,7 +1,6 @@
 /* The pages keep up with the code: what they name exists, and what exists they name. Reads files relative to the
  * repository's root, where tests run. */
 #include "../program.h"
-#include "../rows.h"
 
 #include "../../cases/case.h"
 #include "../../estimators/estimator.h"
@@ -177,7 +176,7 @@ START_TEST(errata_have_their_tests)
 }
 END_TEST
 
-/* "Size: 46.9 % dark\nand so on.\nProof:": the words after `name`, with a blank between any two, up to the next name. */
+/* The words after `name`, a line that begins so, with a blank between any two, up to the next such line. */
 static void read_entry(const char *section, const char *end, const char *name, char *words, size_t size)
 {
     static const char *const names[] = {"\nPlace: ", "\nPrinted: ", "\nRight: ", "\nSize: ", "\nProof: "};
@@ -199,6 +198,13 @@ static void read_entry(const char *section, const char *end, const char *name, c
     words[used] = '\0';
 }
 
+/* "" where it is no text. */
+static const char *text_of(const json_t *row, const char *field)
+{
+    const char *const text = json_string_value(json_object_get(row, field));
+    return text ? text : "";
+}
+
 /* A row of the report's list says what the page says: all of it, and of the size a part. */
 static void check_row(const json_t *row, const char *section, const char *end)
 {
@@ -207,14 +213,14 @@ static void check_row(const json_t *row, const char *section, const char *end)
     char words[2000], title[100];
     for (size_t i = 0; i < 4; i++) {
         read_entry(section, end, fields[i][1], words, sizeof words);
-        ck_assert_str_eq(pm__text_of(row, fields[i][0]), words);
+        ck_assert_str_eq(text_of(row, fields[i][0]), words);
     }
-    ck_assert_msg(*pm__text_of(row, "size") && strstr(words, pm__text_of(row, "size")), "%s: no '%s'", words,
-                  pm__text_of(row, "size"));
+    ck_assert_msg(*text_of(row, "size") && strstr(words, text_of(row, "size")), "%s: no '%s'", words,
+                  text_of(row, "size"));
     read_entry(section, end, "\nProof: ", words, sizeof words);
-    ck_assert_msg(*pm__text_of(row, "test") && strstr(words, pm__text_of(row, "test")), "%s: no '%s'", words,
-                  pm__text_of(row, "test"));
-    (void)snprintf(title, sizeof title, ". %s\n", pm__text_of(row, "title"));
+    ck_assert_msg(*text_of(row, "test") && strstr(words, text_of(row, "test")), "%s: no '%s'", words,
+                  text_of(row, "test"));
+    (void)snprintf(title, sizeof title, ". %s\n", text_of(row, "title"));
     ck_assert_msg(strstr(section, title) && strstr(section, title) < strstr(section, "\nPlace: "), "no '%s'", title);
 }
 
@@ -230,7 +236,7 @@ START_TEST(list_of_errata_agrees)
         if (!*size || strncmp(size, "none", 4) == 0)
             continue;
         const json_t *const row = json_array_get(list, index++);
-        ck_assert_int_eq((int)pm__number_of(row, "number"), (int)strtol(at + 4, NULL, 10));
+        ck_assert_int_eq((int)json_integer_value(json_object_get(row, "number")), (int)strtol(at + 4, NULL, 10));
         check_row(row, at, end);
     }
     ck_assert_uint_eq(json_array_size(list), index);
