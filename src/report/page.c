@@ -138,6 +138,8 @@ static void write_results(const pm__report *report, FILE *file)
         const pm__report_result *const result = &report->results[i];
         (void)fputs(i ? ",\n{" : "\n{", file);
         write_member(file, "name", text(result->name));
+        (void)fputc(',', file);
+        write_member(file, "left_out", json_integer((json_int_t)result->left_out));
         (void)fputs(",\"result\":", file);
         pm__report_write_escaped(file, result->text, result->size);
         (void)fputc('}', file);

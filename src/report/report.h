@@ -15,7 +15,7 @@ enum {
     PM__REPORT_PAGE_BYTES = 8000000 /* images are within the page as long as it stays below */
 };
 
-/* A result file, as it was read. */
+/* A result file, as it was read, but for rows that were left out. */
 typedef struct pm__report_result {
     char name[PM__NAME_SIZE]; /* without its folders */
     char *text;               /* [size] */
@@ -23,6 +23,7 @@ typedef struct pm__report_result {
     json_t *root;             /* the same, parsed */
     const char *command;      /* into root */
     json_t *rows;             /* into root */
+    size_t left_out;          /* rows that it had besides */
 } pm__report_result;
 
 /* An image, reduced and packed again. Texts are UTF-8. */
@@ -61,6 +62,10 @@ pm_status pm__report_read_file(const char *path, char **bytes, size_t *size, boo
 /* Checks and keeps what was read; takes `bytes` over, also on error. */
 pm_status pm__report_add_result(pm__report *report, const char *path, char *bytes, size_t size, pm_error *error);
 pm_status pm__report_add_image(pm__report *report, const char *path, char *bytes, size_t size, pm_error *error);
+
+/* Of a long file of `stress` keeps all rows that fail, and of those that pass the one of each test and estimator that
+ * came nearest to its bound. ENOMEM. */
+pm_status pm__report_condense(pm__report_result *result, pm_error *error);
 
 /* What an image shows, by its attributes and by its file's name: fills in name, scene, label and kind. */
 void pm__report_describe(pm__report_image *image, const char *stem);

@@ -91,6 +91,8 @@ pm_status pm__report_add_result(pm__report *report, const char *path, char *byte
     pm_status status = parse(name, &result, error);
     if (status == PM_OK)
         status = check(name, &result, error);
+    if (status == PM_OK)
+        status = pm__report_condense(&result, error);
     void *results = report->results;
     if (status == PM_OK && pm__grow(&results, &report->result_capacity, report->result_count + 1, sizeof result) != 0)
         status = pm__fail(error, PM_ENOMEM, "out of memory");
@@ -100,6 +102,6 @@ pm_status pm__report_add_result(pm__report *report, const char *path, char *byte
         return PM_OK;
     }
     json_decref(result.root);
-    free(bytes);
+    free(result.text);
     return status;
 }

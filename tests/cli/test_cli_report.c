@@ -166,6 +166,32 @@ START_TEST(missing_parts_are_named)
 }
 END_TEST
 
+/* Of thousands of rows that pass the worst of each test and estimator stays, and all that fail. */
+START_TEST(long_stress_is_condensed)
+{
+    setup();
+    static char text[1 << 20];
+    size_t used = (size_t)snprintf(text, sizeof text, HEAD "\"stress\",\"rows\":[");
+    for (int i = 0; i < 4000; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 "%s{\"test\":\"ties\",\"subject\":\"%s wide\",\"status\":\"%s\",\"measured\":%d.1,"
+                                 "\"bound\":5000,\"unit\":\"ulp\"}", i ? "," : "", i % 2 ? "disc" : "hull",
+                                 i == 17 ? "fail" : "pass", (i * 7) % 4000);
+    (void)snprintf(text + used, sizeof text - used, "]}");
+    write_text("a.json", text);
+    (void)pm__expect(line_of("@a.json -o @out"), 0, NULL);
+    json_t *const root = read_page("out/index.html"), *const file = pm__item(root, "files", 0);
+    json_t *const result = json_object_get(file, "result");
+    ck_assert_int_eq((int)pm__number_of(file, "left_out"), 3997);
+    ck_assert_uint_eq(pm__items(result, "rows"), 3);
+    ck_assert_str_eq(pm__text_of(pm__item(result, "rows", 0), "status"), "fail");
+    ck_assert_double_eq(pm__number_of(pm__item(result, "rows", 1), "measured"), 3998.1);
+    ck_assert_double_eq(pm__number_of(pm__item(result, "rows", 2), "measured"), 3999.1);
+    json_decref(root);
+    teardown();
+}
+END_TEST
+
 /* The commands that `missing` names are commands: each option is one that help shows. */
 START_TEST(ways_out_are_options)
 {
@@ -468,6 +494,7 @@ START_TEST(figures_have_their_points)
 }
 END_TEST
 
-PM_TEST_MAIN("cli report", page_holds_the_files, hostile_texts_are_texts, missing_parts_are_named, ways_out_are_options,
+PM_TEST_MAIN("cli report", page_holds_the_files, hostile_texts_are_texts, missing_parts_are_named,
+             long_stress_is_condensed, ways_out_are_options,
              images_are_reduced_and_told, renders_are_described, further_images_stand_beside, usage, hostile_files,
              complete_or_absent, same_page, figures_have_their_points)

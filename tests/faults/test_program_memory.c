@@ -40,7 +40,8 @@ static void digest_rows(const char *line, uint64_t *digest)
 
 static void remove_outputs(void)
 {
-    static const char *const names[] = {"rows.json", "rows.csv", "rows.md", "out", "err", "state", "image.exr"};
+    static const char *const names[] = {"rows.json", "rows.csv", "rows.md", "out", "err", "state", "image.exr",
+                                        "index.html"};
     char path[PM__TEST_PATH];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         (void)unlink(pm__test_path(&pm__place, names[i], path));
@@ -152,6 +153,12 @@ START_TEST(comparisons)
 }
 END_TEST
 
+START_TEST(reports)
+{
+    check_with_files("report @a.json -o @. --quiet");
+}
+END_TEST
+
 /* What was done is still there to go on from, whatever failed before. */
 START_TEST(resumed)
 {
@@ -200,4 +207,4 @@ START_TEST(list)
 END_TEST
 
 PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, estimates, comparisons,
-             resumed, advice, stress, storage, speed, list)
+             reports, resumed, advice, stress, storage, speed, list)
