@@ -35,6 +35,9 @@ static int load(const pm__settings *settings, pm__report *report, pm_error *erro
 {
     for (size_t i = 0; i < settings->operand_count; i++) {
         const pm_status status = pm__report_add(report, settings->operands[i], error);
+        /* Memory refused to Jansson looks like a file that is malformed. */
+        if (status != PM_OK && pm__refused_status(NULL) != PM_OK)
+            return pm__exit_status(pm__refused_status(error));
         if (status != PM_OK)
             return status == PM_EINVAL ? PM__EXIT_USAGE : pm__exit_status_of_input(status);
     }

@@ -241,6 +241,30 @@ static void unpack(const json_t *image, const char *name)
     pm__test_write(path_of(name), bytes, base64_bytes(text, bytes));
 }
 
+/* The mean over a block of 3 x 3 of samples, the image's edge cutting it off. */
+static double mean_of_samples(char channel, int column, int row, int width, int height)
+{
+    double sum = 0.0;
+    int count = 0;
+    for (int y = 3 * row; y < 3 * row + 3 && y < height; y++)
+        for (int x = 3 * column; x < 3 * column + 3 && x < width; x++, count++)
+            sum += sample_value(channel, x, y);
+    return sum / count;
+}
+
+static void check_means(const char *name)
+{
+    static const int places[][2] = {{0, 0}, {171, 0}, {5, 99}, {171, 99}};
+    pm__image image;
+    ck_assert_int_eq(pm__exr_read(path_of(name), &image, NULL), PM_OK);
+    for (size_t i = 0; i < 4; i++)
+        for (int c = 0; c < 3; c++) {
+            const double want = mean_of_samples("RGB"[c], places[i][0], places[i][1], 515, 300);
+            PM_CHECK_NEAR((double)image.values[(places[i][1] * 172 + places[i][0]) * 3 + c], want, want / 2048.0);
+        }
+    pm__image_free(&image);
+}
+
 START_TEST(images_are_reduced_and_told)
 {
     setup();
@@ -262,6 +286,7 @@ START_TEST(images_are_reduced_and_told)
     ck_assert_str_eq(pm__text_of(last, "kind"), "image");
     ck_assert_int_eq((int)pm__number_of(last, "width"), 7);
     unpack(first, "unpacked.exr");
+    check_means("unpacked.exr");
     json_decref(root);
     /* What was packed is an image that this program reads, reduced to itself. */
     (void)pm__expect(line_of("@a.json @unpacked.exr -o @again"), 0, NULL);
