@@ -49,15 +49,15 @@ image() {
 full_parts() {
     estimators=all
     spp=64
-    part accuracy 28 accuracy --profile full
-    part accuracy-scenes 10 accuracy --case scene:glass-sphere,scene:nephroid,scene:water,scene:plate --trials 48 \
+    part accuracy 22 accuracy --profile full
+    part accuracy-scenes 9 accuracy --case scene:glass-sphere,scene:nephroid,scene:water,scene:plate --trials 200 \
         --k 15,50,200
     part search 8 search --case box,square,caustic,volume --k 8,50,500 --search all --threads 1 --seconds 400
-    part search-grows 5 search --case box --k 50 --photons 10000,100000,1000000,10000000 --threads 1 --seconds 200
-    part storage 24 storage --profile full --seconds 270
-    part converge 10 converge plate --method all --profile full --seconds 60
-    part converge-alpha 12 converge water glass-sphere --method ppm,sppm,pppm --alpha 0.5,0.667,0.8 --profile full \
-        --seconds 36
+    part search-grows 6 search --case box --k 50 --photons 10000,100000,1000000,10000000 --threads 1 --seconds 200
+    part storage 24 storage --profile full --seconds 210
+    part converge 11 converge plate --method all --profile full --seconds 60
+    part converge-alpha 13 converge water glass-sphere --method ppm,sppm,pppm --alpha 0.5,0.667,0.8 --profile full \
+        --seconds 30
     part stress 5 stress --profile full
     image cornell 128x128 1
     image glass-sphere 256x256 1
