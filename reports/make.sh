@@ -84,7 +84,7 @@ total=0
 echo "report: the plan ($profile; minutes on two cores):"
 "${profile}_parts"
 echo "report: about $total min to go, then the page: $out/index.html"
-doing=make
+doing=work
 "${profile}_parts"
 
 # The images of each scene and its truth, which is the same for each estimator; the page computes errors.
