@@ -15,7 +15,8 @@ PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
 PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image src/metrics cases cases/scenes \
-    src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress bench bench/workloads src/cli
+    src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress src/report \
+    bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))
 PROGRAM_SOURCES := $(filter-out src/cli/main.c,$(wildcard $(addsuffix /*.c,$(PROGRAM_DIRS))))
 # Peers: libraries that `search` compares with, each compiled in where its headers are. `make PEERS=` leaves all out.
@@ -94,6 +95,11 @@ run-bench: program
 	$(Q)$(BUILD)/photonbench speed --json $(BUILD)/bench/speed.json -o $(BUILD)/bench/speed.txt
 	$(Q)cat $(BUILD)/bench/speed.txt
 
+report: deps-report ## measures for up to two hours, goes on where it was stopped: build/report/index.html
+	$(Q)$(MAKE) --no-print-directory $(PARALLEL) run-report
+run-report: program
+	$(Q)reports/make.sh $(BUILD)
+
 ##@ Check
 check: deps ## every test
 	$(Q)$(MAKE) --no-print-directory $(PARALLEL) run-tests
@@ -130,10 +136,13 @@ deps-build: ## the same for the build alone
 	$(Q)CC="$(CC)" .ci/deps.sh install build
 deps-bench: ## the same for the benchmarks: the peer libraries
 	$(Q)CC="$(CC)" .ci/deps.sh install build bench
+deps-report: ## the same for the report: the peer libraries and gnuplot
+	$(Q)CC="$(CC)" .ci/deps.sh install build bench report
 help: ## this list
 	@awk 'BEGIN {FS = ":.*##"} /^##@/ {printf "\n%s\n", substr($$0, 5)} \
 	    /^[a-z-]+:.*##/ {printf "  make %-12s %s\n", $$1, $$2}' Makefile
 	@printf '\nVariables: V=1 shows commands; CC, CFLAGS, BUILD, PREFIX, DESTDIR as usual.\n'
+	@printf 'REPORT_PROFILE=quick makes a small report in a few minutes: build/report-quick/index.html.\n'
 
 # Rules
 
@@ -176,6 +185,10 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/.flags
 
 # The stored references are within this object.
 $(BUILD)/obj/src/image/reference.o: $(wildcard cases/scenes/references/*.exr)
+
+# So are the report's page, its list of errata and the scripts of its figures in these.
+$(BUILD)/obj/src/report/page.o: reports/page/dist/page.html reports/errata.json
+$(BUILD)/obj/src/report/figures.o: $(wildcard reports/figures/*.gp)
 
 $(BUILD)/obj/bench/peers/list.o: PM_EXTRA += $(PEER_DEFINES)
 $(BUILD)/obj/bench/peers/list.o: $(BUILD)/obj/bench/peers/.found
@@ -230,6 +243,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUI
 	    $(BUILD)/libphotonmap.a $(PEER_LIBS) -lembree3 -lOpenEXRCore -lpng -ljansson -lm -o $@
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d) $(FUZZERS:=.d)
-.PHONY: all lib program install uninstall clean demo run-demo bench run-bench \
-    check check-san check-tsan check-full coverage fuzz fuzzers tests run-tests deps deps-build deps-bench help .FORCE
+.PHONY: all lib program install uninstall clean demo run-demo bench run-bench report run-report \
+    check check-san check-tsan check-full coverage fuzz fuzzers tests run-tests deps deps-build deps-bench deps-report \
+    help .FORCE
 .DELETE_ON_ERROR:

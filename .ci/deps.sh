@@ -1,5 +1,5 @@
 #!/bin/sh
-# deps.sh install|name SET...   what the SETs (build, check, full, bench) need from Debian's packages.
+# deps.sh install|name SET...   what the SETs (build, check, full, bench, report) need from Debian's packages.
 # install: installs what is missing when run as root; else names the one apt line and fails.
 # name: installs nothing; names the line and fails if something is missing.
 # Nothing is done, and nothing printed, when nothing is missing.
@@ -27,6 +27,7 @@ for set in "$@"; do
     [ "$set" != bench ] ||
         wanted="$wanted g++ libnanoflann-dev libflann-dev liblz4-dev libann-dev libcgal-dev libtbb-dev"
     [ "$set" != full ] || wanted="$wanted valgrind libc6-dbg"
+    [ "$set" != report ] || wanted="$wanted gnuplot-nox"
     [ "$set" = check ] || continue
     wanted="$wanted check libgsl-dev libmpfr-dev"
     command -v pkg-config >/dev/null 2>&1 || missing="$missing pkg-config"

@@ -10,7 +10,7 @@ fail() {
 
 # A folder may include what stands before it here, and itself.
 layers="src/base src/map src/search estimators src/lookup src/stats src/scene src/transport src/image src/metrics"
-layers="$layers cases src/methods src/accuracy src/converge src/storage src/stress bench src/cli tests"
+layers="$layers cases src/methods src/accuracy src/converge src/storage src/stress src/report bench src/cli tests"
 rank() {
     n=0
     for layer in $layers; do

@@ -38,6 +38,7 @@ typedef struct pm__command {
     X(stress)               \
     X(estimate)             \
     X(compare)              \
+    X(report)               \
     X(list)                 \
     X(help)
 

@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 32, PM__MAX_SHAPES = 8, PM__MAX_ALPHAS = 32, PM__MAX_WATCHED = 64 };
+enum { PM__MAX_OPTIONS = 40, PM__MAX_OPERANDS = 1024, PM__MAX_SHAPES = 8, PM__MAX_ALPHAS = 32, PM__MAX_WATCHED = 64 };
 
 /* A list of specs or numbers, as options append to it. */
 typedef struct pm__specs {
@@ -87,6 +87,7 @@ typedef struct pm__settings {
     pm__advise_options advise;
     pm__storage_options storage;
     pm__specs metrics;                /* of `compare`: empty: not given */
+    const char *figures;              /* of `report`: a folder */
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];
     size_t operand_count;

@@ -290,3 +290,34 @@ pm_status pm__exr_attribute(const char *path, const char *name, char *text, size
     free((void *)in.bytes);
     return status;
 }
+
+/* The library keeps a list of them by name, so that the order is not the file's. */
+static void tell_attribute(const exr_attribute_t *a, pm__attribute_taker *take, void *context)
+{
+    char number[32];
+    if (a->type == EXR_ATTR_STRING)
+        take(context, a->name, a->string->str, (size_t)a->string->length);
+    else if (a->type == EXR_ATTR_DOUBLE)
+        take(context, a->name, number, (size_t)snprintf(number, sizeof number, "%.17g", a->d));
+}
+
+pm_status pm__exr_each_attribute(const void *bytes, size_t size, const char *name, pm__attribute_taker *take,
+                                 void *context, pm_error *error)
+{
+    pm__exr_input in = {.bytes = bytes, .size = size};
+    exr_context_t file = NULL;
+    int32_t count = 0;
+    pm__quote_path(name, in.name);
+    const pm_status status = pm__exr_open(&in, &file, error);
+    if (status != PM_OK)
+        return status;
+    exr_result_t code = exr_get_attribute_count(file, 0, &count);
+    for (int32_t i = 0; code == EXR_ERR_SUCCESS && i < count; i++) {
+        const exr_attribute_t *attribute = NULL;
+        code = exr_get_attribute_by_index(file, 0, EXR_ATTR_LIST_SORTED_ORDER, i, &attribute);
+        if (code == EXR_ERR_SUCCESS)
+            tell_attribute(attribute, take, context);
+    }
+    pm__exr_close(&file);
+    return code == EXR_ERR_SUCCESS ? PM_OK : pm__exr_library_error(&in, code, error);
+}

@@ -45,4 +45,10 @@ pm_status pm__exr_read_memory(const void *bytes, size_t size, const char *name, 
  * name and kind. EINVAL: it takes more than `size` bytes with its NUL. Else as pm__exr_read. */
 pm_status pm__exr_attribute(const char *path, const char *name, char *text, size_t size, pm_error *error);
 
+/* Gives each attribute that is text or a number (spelt so) to `take`, by name, from a file in memory as above. The text
+ * may hold any bytes, has no NUL of its own at the end, and is there for the call alone. EFORMAT, ENOMEM. */
+typedef void pm__attribute_taker(void *context, const char *name, const char *text, size_t length);
+pm_status pm__exr_each_attribute(const void *bytes, size_t size, const char *name, pm__attribute_taker *take,
+                                 void *context, pm_error *error);
+
 #endif

@@ -14,7 +14,7 @@ START_TEST(overview)
 {
     const char *const out = pm__expect("help", 0, NULL)->out;
     const char *const names[] = {"accuracy", "search",  "speed", "render", "converge", "advise",
-                                 "estimate", "compare", "list",  "help"};
+                                 "estimate", "compare", "report", "list",  "help"};
     char line[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(line, sizeof line, "\n  %s ", names[i]);
@@ -40,7 +40,7 @@ static void check_width(const char *text)
 START_TEST(help_of_commands)
 {
     const char *const names[] = {"accuracy", "search",  "speed", "render", "converge", "advise",
-                                 "estimate", "compare", "list",  "help"};
+                                 "estimate", "compare", "report", "list",  "help"};
     char arguments[64];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         (void)snprintf(arguments, sizeof arguments, "help %s", names[i]);

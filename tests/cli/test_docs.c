@@ -18,7 +18,7 @@ static const char *const page_paths[] = {"README.md",        "docs/accuracy.md",
                                          "docs/estimate.md", "docs/list.md",     "docs/library.md", "docs/errata.md",
                                          "docs/scenes.md",   "docs/render.md",   "docs/speed.md",
                                          "docs/converge.md", "docs/advise.md",   "docs/storage.md",
-                                         "docs/stress.md",   "docs/promises.md", "docs/robust.md"};
+                                         "docs/stress.md",   "docs/promises.md", "docs/robust.md",  "docs/report.md"};
 enum { PAGES = sizeof page_paths / sizeof *page_paths };
 
 static char pages[PAGES][PAGE_SIZE];
@@ -75,7 +75,7 @@ START_TEST(options_are_documented)
 {
     static const char *const commands[] = {"accuracy", "search",   "speed", "render",
                                            "converge", "advise", "compare", "estimate", "list", "storage",
-                                           "stress"};
+                                           "stress",   "report"};
     for (size_t c = 0; c < sizeof commands / sizeof *commands; c++) {
         char arguments[40], path[40], option[40], wanted[48];
         (void)snprintf(arguments, sizeof arguments, "help %s", commands[c]);
@@ -89,7 +89,7 @@ START_TEST(options_are_documented)
             (void)snprintf(wanted, sizeof wanted, "`--%s", option);
             ck_assert_msg(strstr(page(path), wanted) != NULL, "%s lacks --%s", path, option);
         }
-        ck_assert_int_ge(options, 6);
+        ck_assert_int_ge(options, strcmp(commands[c], "report") == 0 ? 4 : 6);
     }
 }
 END_TEST
@@ -179,6 +179,75 @@ START_TEST(errata_have_their_tests)
 }
 END_TEST
 
+/* The words after `name`, a line that begins so, with a blank between any two, up to the next such line. */
+static void read_entry(const char *section, const char *end, const char *name, char *words, size_t size)
+{
+    static const char *const names[] = {"\nPlace: ", "\nPrinted: ", "\nRight: ", "\nSize: ", "\nProof: "};
+    const char *at = strstr(section, name), *stop = end;
+    size_t used = 0;
+    *words = '\0';
+    if (!at || at >= end)
+        return;
+    at += strlen(name);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const char *const next = strstr(at, names[i]);
+        stop = next && next < stop ? next : stop;
+    }
+    for (; at < stop && used + 1 < size; at++)
+        if (*at != '\n')
+            words[used++] = *at;
+        else if (at + 1 < stop && at[1] != '\n')
+            words[used++] = ' ';
+    words[used] = '\0';
+}
+
+/* "" where it is no text. */
+static const char *text_of(const json_t *row, const char *field)
+{
+    const char *const text = json_string_value(json_object_get(row, field));
+    return text ? text : "";
+}
+
+/* A row of the report's list says what the page says: all of it, and of the size a part. */
+static void check_row(const json_t *row, const char *section, const char *end)
+{
+    static const char *const fields[][2] = {
+        {"source", "\nPlace: "}, {"printed", "\nPrinted: "}, {"right", "\nRight: "}, {"measured", "\nSize: "}};
+    char words[2000], title[100];
+    for (size_t i = 0; i < 4; i++) {
+        read_entry(section, end, fields[i][1], words, sizeof words);
+        ck_assert_str_eq(text_of(row, fields[i][0]), words);
+    }
+    ck_assert_msg(*text_of(row, "size") && strstr(words, text_of(row, "size")), "%s: no '%s'", words,
+                  text_of(row, "size"));
+    read_entry(section, end, "\nProof: ", words, sizeof words);
+    ck_assert_msg(*text_of(row, "test") && strstr(words, text_of(row, "test")), "%s: no '%s'", words,
+                  text_of(row, "test"));
+    (void)snprintf(title, sizeof title, ". %s\n", text_of(row, "title"));
+    ck_assert_msg(strstr(section, title) && strstr(section, title) < strstr(section, "\nPlace: "), "no '%s'", title);
+}
+
+/* reports/errata.json has a row for each numbered section, in order, but for misprints that change nothing. */
+START_TEST(list_of_errata_agrees)
+{
+    json_t *const list = json_load_file("reports/errata.json", JSON_REJECT_DUPLICATES, NULL);
+    size_t index = 0;
+    for (const char *at = strstr(page("docs/errata.md"), "\n## "); at; at = strstr(at + 1, "\n## ")) {
+        const char *const next = strstr(at + 1, "\n## "), *const end = next ? next : at + strlen(at);
+        char size[2000];
+        read_entry(at, end, "\nSize: ", size, sizeof size);
+        if (!*size || strncmp(size, "none", 4) == 0)
+            continue;
+        const json_t *const row = json_array_get(list, index++);
+        ck_assert_int_eq((int)json_integer_value(json_object_get(row, "number")), (int)strtol(at + 4, NULL, 10));
+        check_row(row, at, end);
+    }
+    ck_assert_uint_eq(json_array_size(list), index);
+    ck_assert_uint_ge(index, 40);
+    json_decref(list);
+}
+END_TEST
+
 /* "errata 14" in a comment leads somewhere. */
 START_TEST(cited_errata_are_there)
 {
@@ -242,4 +311,4 @@ START_TEST(links_and_lines)
 END_TEST
 
 PM_TEST_MAIN("docs", everything_listed_is_mentioned, options_are_documented, fields_are_documented,
-             errata_have_their_tests, cited_errata_are_there, examples_compile, links_and_lines)
+             errata_have_their_tests, list_of_errata_agrees, cited_errata_are_there, examples_compile, links_and_lines)

@@ -42,7 +42,7 @@ static void remove_outputs(void)
 {
     static const char *const names[] = {"rows.json", "rows.csv", "rows.md", "out", "err", "state", "image.exr",
                                         "map.mse.exr", "map.mse.png", "map.ssim.exr", "map.ssim.png",
-                                        "map.hdrflip.exr", "map.hdrflip.png"};
+                                        "map.hdrflip.exr", "map.hdrflip.png", "index.html"};
     char path[PM__TEST_PATH];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         (void)unlink(pm__test_path(&pm__place, names[i], path));
@@ -167,6 +167,12 @@ START_TEST(comparisons_of_images)
 }
 END_TEST
 
+START_TEST(reports)
+{
+    check_with_files("report @a.json -o @. --quiet");
+}
+END_TEST
+
 /* What was done is still there to go on from, whatever failed before. */
 START_TEST(resumed)
 {
@@ -219,4 +225,4 @@ START_TEST(list)
 END_TEST
 
 PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, estimates, comparisons,
-             comparisons_of_images, resumed, advice, stress, storage, speed, list)
+             comparisons_of_images, reports, resumed, advice, stress, storage, speed, list)

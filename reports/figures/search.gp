@@ -1,0 +1,30 @@
+# Time of a query against k, and its 95 % interval.
+# Drawn by `gnuplot search.gp` (SVG), or with -e "format='pdf'; target='search.pdf'". The lines above name data and panels.
+if (!exists("format")) format = 'svg'
+if (!exists("target")) target = 'search.' . format
+columns = panels < 2 ? 1 : panels < 5 ? 2 : 3
+rows = (panels + columns - 1) / columns
+if (format eq 'svg') set terminal svg size 480 * columns, 380 * rows dynamic font 'sans-serif,11' background 'white'
+if (format eq 'pdf') set terminal pdfcairo size 4.8 * columns, 3.8 * rows font 'sans-serif,9'
+set output target
+set datafile separator ','
+set logscale xy
+set autoscale fix
+set xtics 4
+set ytics 2
+set format x '%.2g'
+set format y '%.3g'
+set key noenhanced font ',8' bmargin center horizontal height 1
+set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05
+set grid
+set xlabel 'photons wanted, k'
+set ylabel 'time of a query, ns'
+set multiplot layout rows, columns
+do for [p = 1:panels] {
+    set title titles[p] noenhanced
+    first = p == 1 ? 0 : last[p - 1] + 1
+    plot for [i = first:last[p]] data index i using 1:2:3:4 with yerrorlines \
+        linetype style[i + 1] pointsize 0.6 title columnheader(1)
+}
+unset multiplot
+set output
