@@ -108,7 +108,8 @@ static inline bool pm__plot_is_important(uint64_t key)
 /* Fetches what the next two would look at. */
 static inline void pm__plot_prefetch(const pm__plot_shard *shard, uint64_t key)
 {
-    __builtin_prefetch(&shard->plots[pm__plot_hash(key) & (shard->size - 1)], 1);
+    if (shard->plots)
+        __builtin_prefetch(&shard->plots[pm__plot_hash(key) & (shard->size - 1)], 1);
 }
 
 /* That of the key, or a free one. The shard has a table. */
