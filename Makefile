@@ -14,7 +14,7 @@ WARNINGS = -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 PM_CFLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) -ffp-contract=off -fno-math-errno $(CFLAGS)
 
 LIB_DIRS = src/base src/map src/search estimators src/lookup
-PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image cases cases/scenes \
+PROGRAM_DIRS = src/stats src/scene src/transport src/transport/policies src/image src/metrics cases cases/scenes \
     src/methods src/methods/progressive src/accuracy src/converge src/storage src/stress src/report \
     bench bench/workloads src/cli
 LIB_SOURCES := $(wildcard $(addsuffix /*.c,$(LIB_DIRS)))

@@ -233,7 +233,8 @@ PM_API pm_status pm_map_search_each(const pm_map *map, const pm_query *query, pm
 
 /* Automatic maximum radius, m: beyond it n photons cannot reach the radiance `threshold`
  * (W/(m2 sr) per band). max_power: of any photon, W. Surfaces: [C02] 5.2.3; volumes: 5.2.4, sigma: the
- * scattering coefficient, 1/m. 0 where an argument is not positive and finite; relative error below 2^-50. */
+ * scattering coefficient, 1/m. 0 where an argument is not positive and finite; what is beyond doubles is the largest;
+ * relative error below 2^-50. */
 PM_API double pm_max_radius_surface(size_t n, double max_power, double threshold);
 PM_API double pm_max_radius_volume(size_t n, double max_power, double sigma, double threshold);
 
@@ -282,11 +283,11 @@ typedef struct pm_estimation {
 /* One estimate. An empty neighbourhood is 0 with PM_OK. Where max_radius comes before the k-th photon
  * the region is the whole max_radius and every photon counts in full. EDEGENERATE: the photons span no
  * area (all at distance 0; a hull of no more than 2^-23 of its width squared), or single precision cannot tell
- * how far they are: a region below 2^-60, a query beyond 1e18 of pm_map_unit. EINVAL: maps, dimensions or k that
- * the estimator cannot use (`combined` wants k >= 3 a map). Sums run in double: relative error of a sum of n equal
- * powers below (n + 16) * 2^-53, beside r squared, which in single precision errs by 5 * 2^-24 at most and not at
- * all where its squares fit 24 bits; src/stress/stress.h has the bound of each estimator. Cost: the search, then
- * O(k). */
+ * how far they are: a region below 2^-60, a query beyond 1e18 of pm_map_unit. ENONFINITE: the BRDF gave NaN or
+ * infinity. EINVAL: maps, dimensions or k that the estimator cannot use (`combined` wants k >= 3 a map). Sums
+ * run in double: relative error of a sum of n equal powers below (n + 16) * 2^-53, beside r squared, which in
+ * single precision errs by 5 * 2^-24 at most and not at all where its squares fit 24 bits; src/stress/stress.h
+ * has the bound of each estimator. Cost: the search, then O(k). */
 PM_API pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, const pm_query *query,
                              pm_workspace *workspace, pm_estimation *estimation);
 
@@ -328,8 +329,8 @@ typedef struct pm_surface_point {
 /* Queries: x y z, nx ny nz (made unit). As above. */
 PM_API pm_status pm_ply_read_points(const char *path, pm_surface_point **points, size_t *count, pm_error *error);
 
-/* Binary little-endian; a temporary name and a rename, so that the file is complete or absent. EINVAL,
- * EIO, ENOMEM. */
+/* Binary little-endian; a temporary name and a rename, so that the file is complete or absent. Directions are to be of
+ * unit length, else pm_ply_read_photons refuses the file. EINVAL, EIO, ENOMEM, ENONFINITE. */
 PM_API pm_status pm_ply_write_photons(const char *path, const pm_photon *photons, size_t count, pm_error *error);
 
 PM_API void pm_free(void *memory); /* NULL is allowed */

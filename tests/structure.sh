@@ -9,7 +9,7 @@ fail() {
 }
 
 # A folder may include what stands before it here, and itself.
-layers="src/base src/map src/search estimators src/lookup src/stats src/scene src/transport src/image"
+layers="src/base src/map src/search estimators src/lookup src/stats src/scene src/transport src/image src/metrics"
 layers="$layers cases src/methods src/accuracy src/converge src/storage src/stress src/report bench src/cli tests"
 rank() {
     n=0
@@ -39,7 +39,8 @@ long=$(find src estimators cases bench tests Makefile -name '*.[ch]' -o -name '*
 $long"
 
 # Every source of a list is a row, or is named beside the rows in the list's comment.
-for dir in src/search estimators cases cases/scenes src/methods/progressive src/transport/policies src/stress; do
+for dir in src/search estimators cases cases/scenes src/methods/progressive src/transport/policies src/stress \
+    src/metrics; do
     for file in "$dir"/*.c; do
         name=$(basename "$file" .c)
         row=$(echo "$name" | tr - _)

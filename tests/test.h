@@ -36,7 +36,7 @@ static inline int pm__test_main(const char *name, const TTest *const *tests, siz
 {
     Suite *const suite = suite_create(name);
     TCase *const tcase = tcase_create(name);
-    tcase_set_timeout(tcase, 300);
+    tcase_set_timeout(tcase, getenv("PM_FULL") ? 3600 : 300);
     for (size_t i = 0; i < count; i++)
         tcase_add_test(tcase, tests[i]);
     suite_add_tcase(suite, tcase);

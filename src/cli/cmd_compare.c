@@ -1,14 +1,17 @@
 /* compare: what became better or worse from one result file to another. */
 #include "commands.h"
 #include "compare.h"
+#include "compare_images.h"
 #include "progress.h"
 #include "results.h"
 #include "wrap.h"
 
 #include "../base/clock.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { FULL_TABLE = 60 }; /* beyond, the screen shows only what differs */
 
@@ -93,7 +96,7 @@ static void print_legend(FILE *file, const comparing *all)
         "%s; x: B over A, else B less A%s. Intervals and verdicts are at 95 %% for all %zu comparisons together.",
         search ? "ratio: the baseline's time over the row's, of the same run, above 1 is faster; a change within "
                  "1 % counts as none"
-               : "rel_*: relative to the mean truth",
+               : "rel_*: relative to the mean of the truth or reference",
         search ? "" : " (of a bias: of its size)", all->list.tests);
     pm__wrap(file, text, 0, 0);
 }
@@ -162,7 +165,11 @@ static int exit_status_of_file(pm_status status)
 static int load(const pm__settings *s, comparing *all, pm_error *error)
 {
     if (s->operand_count != 2) {
-        (void)pm__fail(error, PM_EINVAL, "two result files are needed: A.json B.json");
+        (void)pm__fail(error, PM_EINVAL, "two result files are needed, or two images: A.json B.json, A.exr B.exr");
+        return PM__EXIT_USAGE;
+    }
+    if (s->metrics.count) {
+        (void)pm__fail(error, PM_EINVAL, "--metric is for two images");
         return PM__EXIT_USAGE;
     }
     pm_status status = pm__result_file_load(s->operands[0], &all->a, error);
@@ -176,7 +183,7 @@ static int load(const pm__settings *s, comparing *all, pm_error *error)
     return exit_status_of_file(status);
 }
 
-static int run(pm__settings *settings)
+static int compare_results(pm__settings *settings)
 {
     pm_error error = {""};
     comparing all;
@@ -196,23 +203,56 @@ static int run(pm__settings *settings)
     return exit_status;
 }
 
-static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_csv, &pm__option_markdown,
-                                                  &pm__option_output, &pm__option_quiet};
+/* One image, and something else. */
+static int refuse_mixed(const char *image, const char *other)
+{
+    char names[2][PM__NAME_SIZE];
+    pm__quote_path(image, names[0]);
+    pm__quote_path(other, names[1]);
+    if (access(other, R_OK) != 0) {
+        pm__complain("compare", "%s: cannot be opened: %s", names[1], strerror(errno));
+        return PM__EXIT_INPUT;
+    }
+    pm__complain("compare", "%s is an OpenEXR image, %s is none: two images can be compared, or two JSON results",
+                 names[0], names[1]);
+    return PM__EXIT_USAGE;
+}
+
+static int run(pm__settings *settings)
+{
+    const bool two = settings->operand_count == 2;
+    const bool a = two && pm__is_image_file(settings->operands[0]), b = two && pm__is_image_file(settings->operands[1]);
+    if (a && b)
+        return pm__compare_images(settings);
+    if (a || b)
+        return refuse_mixed(settings->operands[!a], settings->operands[a]);
+    return compare_results(settings);
+}
+
+static const pm__option *const options_taken[] = {&pm__compare_option_metric, &pm__option_json,
+                                                  &pm__option_csv,            &pm__option_markdown,
+                                                  &pm__compare_option_output, &pm__option_quiet};
 
 const pm__command pm__command_compare = {
     .name = "compare",
-    .operands = "A.json B.json",
+    .operands = "A B",
     .max_operands = 2,
-    .job = "two result files of search or accuracy: improved, regressed or not distinguishable",
-    .text = "Rows of A and B with the same case, search or estimator, k and so on are compared; what only one\n"
-            "has is listed.\n"
+    .job = "two result files: improved, regressed or not distinguishable; two images: error metrics",
+    .text = "Two JSON results of search, accuracy or storage: rows of A and B with the same case, search or\n"
+            "estimator, k and so on are compared; what only one has is listed.\n"
             "search: the ratio to the baseline of the same run, never times, by all its samples (Mann-Whitney).\n"
             "accuracy: rel_bias (its size), rel_noise and rel_rmse, by their intervals over trials (Welch).\n"
+            "storage: rel_bias (its size), rel_rmse and rel_added, likewise.\n"
             "A difference counts where chance would not show one as large in 95 % of such comparisons of whole\n"
             "files. Exit status 1: something regressed.\n\n"
+            "Two OpenEXR images of one size: A is tested, B is the reference. Metrics are mse, relmse, mape,\n"
+            "smape, ssim, flip and hdrflip ('photonbench list metrics'), a metric NAME[:key=value[,...]]. -o NAME\n"
+            "writes NAME.METRIC.exr, what each pixel has, and NAME.METRIC.png, that in false colour.\n\n"
             "Examples:\n"
             "  photonbench compare before.json after.json\n"
-            "  photonbench compare before.json after.json --markdown changes.md --json -\n",
+            "  photonbench compare before.json after.json --markdown changes.md --json -\n"
+            "  photonbench compare image.exr reference.exr\n"
+            "  photonbench compare image.exr reference.exr --metric relmse,hdrflip:ppd=40 -o error\n",
     .options = options_taken,
     .option_count = sizeof options_taken / sizeof *options_taken,
     .run = run,

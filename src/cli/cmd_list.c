@@ -3,6 +3,7 @@
 #include "../../estimators/estimator.h"
 #include "../converge/converge.h"
 #include "../methods/render.h"
+#include "../metrics/metrics.h"
 #include "../search/search.h"
 #include "../transport/storing.h"
 #include "commands.h"
@@ -15,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 8, TEXT_SIZE = 4096, SIZE = 48 };
+enum { NAME_COLUMN = 2, TEXT_COLUMN = 17, KIND_COUNT = 9, TEXT_SIZE = 4096, SIZE = 48 };
 
 typedef struct kind {
     const char *name; /* the operand */
@@ -33,6 +34,7 @@ static const kind kinds[KIND_COUNT] = {
     {"methods", "Methods of render", "render --method NAME[:key=value[,key=value...]]", &pm__methods},
     {"methods", "Methods of converge", "converge --method NAME[:key=value[,key=value...]]", &pm__progressives},
     {"policies", "Policies", "storage --policy NAME[:key=value[,key=value...]]", &pm__policies},
+    {"metrics", "Metrics of images", "compare --metric NAME[:key=value[,key=value...]]", &pm__metrics},
 };
 
 /* An entry and which kind it is of. */
@@ -252,7 +254,7 @@ static int refuse(const char *name)
         pm__complain("list", "no list '%.80s'; did you mean '%s'?", name, nearest);
     else
         pm__complain("list", "no list '%.80s'; there are: estimators, searches, cases, scenes, samplers, methods, "
-                             "policies",
+                             "policies, metrics",
                      name);
     return PM__EXIT_USAGE;
 }
@@ -302,10 +304,12 @@ static const pm__option *const options_taken[] = {&pm__option_json, &pm__option_
 
 const pm__command pm__command_list = {
     .name = "list",
-    .operands = "[estimators|searches|cases|scenes|samplers|methods|policies]",
+    .operands = "[KIND]",
     .max_operands = 1,
     .job = "what there is, with parameters, their defaults and ranges, and where it comes from",
-    .text = "Examples:\n"
+    .text = "A KIND is estimators, searches, cases, scenes, samplers, methods, policies or metrics; without one,\n"
+            "all are shown.\n\n"
+            "Examples:\n"
             "  photonbench list\n"
             "  photonbench list estimators\n"
             "  photonbench list cases --json -\n",

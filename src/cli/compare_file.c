@@ -25,6 +25,10 @@ static const key accuracy_keys[] = {{"case", true, true},     {"region", true, t
                                     {"lookup", true, false},  {"front", true, false},  {"photons", false, true},
                                     {"sampler", true, false}, {"probes", false, false}};
 
+/* Photons sent, or stored (wanted): one of them is there. Images of more eye paths hold less of their noise. */
+static const key storage_keys[] = {{"scene", true, true},    {"policy", true, false},  {"map", true, false},
+                                   {"photons", false, false}, {"wanted", false, false}, {"spp", false, false}};
+
 typedef struct subject {
     const char *command;
     const key *keys;
@@ -34,6 +38,7 @@ typedef struct subject {
 static const subject subjects[] = {
     {"search", search_keys, sizeof search_keys / sizeof *search_keys},
     {"accuracy", accuracy_keys, sizeof accuracy_keys / sizeof *accuracy_keys},
+    {"storage", storage_keys, sizeof storage_keys / sizeof *storage_keys},
 };
 
 static void make_printable(char *text)
@@ -170,8 +175,8 @@ static pm_status add_labels(pm__result_file *file, pm_error *error)
             s = &subjects[i];
     pm__quote(file->command, strlen(file->command), name);
     if (!s)
-        return pm__fail(error, PM_EINVAL, "%s: results of '%s' cannot be compared, only those of search and accuracy",
-                        file->name, name);
+        return pm__fail(error, PM_EINVAL, "%s: results of '%s' cannot be compared, only those of search, accuracy and "
+                        "storage", file->name, name);
     file->labels = calloc(file->count + 1, sizeof *file->labels);
     pm_status status = file->labels ? PM_OK : pm__fail(error, PM_ENOMEM, "out of memory");
     for (size_t i = 0; i < file->count && status == PM_OK; i++)
@@ -211,7 +216,7 @@ static pm_status parse(FILE *stream, pm__result_file *file, pm_error *error)
     if (ferror(stream))
         return pm__fail(error, PM_EIO, "%s: cannot be read: %s", file->name, strerror(errno));
     if (first == 0x76 && getc(stream) == 0x2f && getc(stream) == 0x31 && getc(stream) == 0x01)
-        return pm__fail(error, PM_EINVAL, "%s: an OpenEXR image; images cannot be compared yet, only JSON results",
+        return pm__fail(error, PM_EINVAL, "%s: an OpenEXR image; of images two regular files can be compared",
                         file->name);
     (void)ungetc(first, stream);
     file->root = json_loadf(stream, JSON_REJECT_DUPLICATES, &reason);

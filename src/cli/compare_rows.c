@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { MOST_TRIALS = 1000000 }; /* beyond, Student's t is as good as normal */
+enum { EYE_GROUPS = 4 };        /* of storage */
 static const double family_error = 0.05;
 static const double rounding = 1e-9; /* differences below this part are no differences, whatever the intervals say */
 
@@ -100,10 +101,18 @@ static pm_status add_search(const pm__result_file *a, const pm__result_file *b, 
 
 /* A value with its interval over trials. */
 typedef struct estimate {
-    double value, trials;
+    double value, trials, dof;
     pm__interval ci95;
     bool there;
 } estimate;
+
+/* Intervals of `storage` hold trials and, but for rel_added, four groups of eye paths, whose quantile is the widest:
+ * with their degrees of freedom no test is sharper than the interval. */
+static double dof_of(const pm__result_file *file, const char *quantity, double trials)
+{
+    const bool grouped = strcmp(file->command, "storage") == 0 && strcmp(quantity, "rel_added") != 0;
+    return grouped ? fmin(trials - 1.0, EYE_GROUPS - 1.0) : trials - 1.0;
+}
 
 static pm_status read_estimate(const pm__result_file *file, size_t index, const char *quantity, estimate *e,
                                pm_error *error)
@@ -120,15 +129,17 @@ static pm_status read_estimate(const pm__result_file *file, size_t index, const 
         return status;
     e->there = there && interval;
     e->trials = fmin(e->trials, MOST_TRIALS);
+    e->dof = dof_of(file, quantity, e->trials);
     if (e->there && !(trials && e->trials >= 2.0))
         return pm__fail(error, PM_EFORMAT, "%s: rows[%zu].trials: expected a number, at least 2", file->name, index);
     return PM_OK;
 }
 
-static const char *const errors_compared[] = {"rel_bias", "rel_noise", "rel_rmse"};
+/* Of `storage` only rel_rmse and rel_added have intervals; accuracy has no rel_added. */
+static const char *const errors_compared[] = {"rel_bias", "rel_noise", "rel_rmse", "rel_added"};
 
-static pm_status add_accuracy(const pm__result_file *a, const pm__result_file *b, pm__comparison item,
-                              pm__comparisons *list, pm_error *error)
+static pm_status add_errors(const pm__result_file *a, const pm__result_file *b, pm__comparison item,
+                            pm__comparisons *list, pm_error *error)
 {
     pm_status status = PM_OK;
     for (size_t i = 0; i < sizeof errors_compared / sizeof *errors_compared && status == PM_OK; i++) {
@@ -194,7 +205,7 @@ static pm_status list_rows(const pm__result_file *a, const pm__result_file *b, c
         if (match[i] == SIZE_MAX)
             status = append(list, &item, error);
         else
-            status = search ? add_search(a, b, item, list, error) : add_accuracy(a, b, item, list, error);
+            status = search ? add_search(a, b, item, list, error) : add_errors(a, b, item, list, error);
     }
     for (size_t j = 0; j < b->count && status == PM_OK; j++) {
         pm__comparison item = blank(b->labels[j], NULL, SIZE_MAX, j);
@@ -229,9 +240,9 @@ static pm_status test_ratio(const pm__result_file *a, const pm__result_file *b, 
 }
 
 /* A standard error from the interval of Student's t that was made of it. */
-static double standard_error(pm__interval ci95, double trials)
+static double standard_error(pm__interval ci95, double dof)
 {
-    return (0.5 * ci95.high - 0.5 * ci95.low) / pm__student_quantile(0.975, trials - 1.0);
+    return (0.5 * ci95.high - 0.5 * ci95.low) / pm__student_quantile(0.975, dof);
 }
 
 /* Welch: dof by Satterthwaite. Fills in change, interval and p for a difference with these standard errors. */
@@ -240,11 +251,35 @@ static void welch(double difference, double se_a, double se_b, const estimate *a
 {
     const double se = hypot(se_a, se_b), se_all = hypot(se, rounding);
     const double share_a = se > 0.0 ? se_a / se : 1.0, share_b = se > 0.0 ? se_b / se : 0.0;
-    const double dof = 1.0 / (pow(share_a, 4.0) / (a->trials - 1.0) + pow(share_b, 4.0) / (b->trials - 1.0));
+    const double dof = 1.0 / (pow(share_a, 4.0) / a->dof + pow(share_b, 4.0) / b->dof);
     const double half = pm__student_quantile(0.5 + 0.5 * level, isfinite(dof) ? dof : 1.0) * se_all;
     item->change = difference;
     item->change_ci95 = (pm__interval){difference - half, difference + half};
     item->p = isfinite(se_all) ? pm__student_p(difference / se_all, dof) : 1.0;
+}
+
+/* Errors of `storage` are roots of squares without bias, cut at 0, and their intervals are made on squares. Where the
+ * low end was cut, the high one says how wide it is; it then counts from 0 on. */
+static double half_of_square(const estimate *e)
+{
+    const double high = e->ci95.high * e->ci95.high;
+    return e->ci95.low > 0.0 ? 0.5 * (high - e->ci95.low * e->ci95.low) : high - e->value * e->value;
+}
+
+/* The change of the root that a change of the square by `difference` makes of a. */
+static double of_root(double a, double difference)
+{
+    return sqrt(fmax(0.0, a * a + difference)) - a;
+}
+
+static void test_squares(const estimate *a, const estimate *b, double level, pm__comparison *item)
+{
+    const double quantile_a = pm__student_quantile(0.975, a->dof), quantile_b = pm__student_quantile(0.975, b->dof);
+    welch(b->value * b->value - a->value * a->value, half_of_square(a) / quantile_a, half_of_square(b) / quantile_b, a,
+          b, level, item);
+    item->change = b->value - a->value;
+    item->change_ci95 = (pm__interval){of_root(a->value, item->change_ci95.low),
+                                       of_root(a->value, item->change_ci95.high)};
 }
 
 /* Noise and root mean square errors have their intervals on a log scale, a bias on its own; of a bias the size counts.
@@ -259,19 +294,22 @@ static pm_status test_error(const pm__result_file *file_a, const pm__result_file
     if (status != PM_OK)
         return status;
     const bool bias = strcmp(item->quantity, "rel_bias") == 0;
-    item->factor = !bias && a.ci95.low > 0.0 && b.ci95.low > 0.0 && a.value > 0.0 && b.value > 0.0;
+    const bool squares = !bias && strcmp(file_a->command, "storage") == 0;
+    item->factor = !bias && !squares && a.ci95.low > 0.0 && b.ci95.low > 0.0 && a.value > 0.0 && b.value > 0.0;
     item->a = a.value;
     item->b = b.value;
     item->samples_a = (size_t)a.trials;
     item->samples_b = (size_t)b.trials;
-    if (item->factor) {
+    if (squares) {
+        test_squares(&a, &b, level, item);
+    } else if (item->factor) {
         const pm__interval log_a = {log(a.ci95.low), log(a.ci95.high)}, log_b = {log(b.ci95.low), log(b.ci95.high)};
-        welch(log(b.value) - log(a.value), standard_error(log_a, a.trials), standard_error(log_b, b.trials), &a, &b,
+        welch(log(b.value) - log(a.value), standard_error(log_a, a.dof), standard_error(log_b, b.dof), &a, &b,
               level, item);
         item->change = exp(item->change);
         item->change_ci95 = (pm__interval){exp(item->change_ci95.low), exp(item->change_ci95.high)};
     } else {
-        welch(fabs(b.value) - fabs(a.value), standard_error(a.ci95, a.trials), standard_error(b.ci95, b.trials), &a, &b,
+        welch(fabs(b.value) - fabs(a.value), standard_error(a.ci95, a.dof), standard_error(b.ci95, b.dof), &a, &b,
               level, item);
     }
     return PM_OK;

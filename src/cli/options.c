@@ -27,6 +27,7 @@ void pm__settings_free(pm__settings *settings)
     free(settings->advise.methods.items);
     free(settings->storage.policies.items);
     free(settings->storage.stored.items);
+    free(settings->metrics.items);
     free(settings->command_line);
 }
 

@@ -86,6 +86,7 @@ typedef struct pm__settings {
     pm__converge_options converge;
     pm__advise_options advise;
     pm__storage_options storage;
+    pm__specs metrics;                /* of `compare`: empty: not given */
     const char *figures;              /* of `report`: a folder */
     char *command_line;               /* as it was typed, fit for a shell; owned */
     const char *operands[PM__MAX_OPERANDS];

@@ -1,5 +1,6 @@
 /* Image files: their names, their headers, complete or absent. */
 #include "commands.h"
+#include "file_names.h"
 #include "interrupt.h"
 #include "render_task.h"
 #include "version.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { MOST_FILES = PM__MOST_HELD - 8, MOST_ATTRIBUTES = 32, SCENE_PREFIX = sizeof "scene:" - 1 };
+enum { MOST_FILES = PM__MOST_HELD - 8, MOST_ATTRIBUTES = 32 };
 
 static const struct {
     const char *suffix, *content;
@@ -37,18 +38,6 @@ bool pm__render_to_stdout(const pm__settings *settings)
     return settings->output && is_stdout(settings->output);
 }
 
-/* Only the parameters that are not the defaults: names stay short, and stay when an estimator learns another one. */
-static void safe_name(const pm__spec *spec, char *text, size_t size)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789=._-";
-    char name[PM__MAX_SPEC];
-    pm__spec_format_short(spec, name, sizeof name);
-    const char *const start = name + (strncmp(name, "scene:", SCENE_PREFIX) == 0 ? SCENE_PREFIX : 0);
-    (void)snprintf(text, size, "%s", start);
-    for (char *p = text; *(p += strspn(p, plain)); p++)
-        *p = '-';
-}
-
 /* Where the suffix stands that a main file's name ends in. */
 static int stem_length(const char *path)
 {
@@ -62,8 +51,8 @@ static char *main_path(const pm__render_task *task, size_t scene, size_t estimat
     const char *const given = task->settings->output;
     char scene_name[PM__MAX_SPEC], name[PM__MAX_SPEC], *path = NULL;
     int length;
-    safe_name(&task->scenes[scene], scene_name, sizeof scene_name);
-    safe_name(task->estimates ? &task->estimators[estimator] : task->config.method, name, sizeof name);
+    pm__safe_name(&task->scenes[scene], scene_name, sizeof scene_name);
+    pm__safe_name(task->estimates ? &task->estimators[estimator] : task->config.method, name, sizeof name);
     if (given && task->scene_count * task->estimator_count == 1)
         return strdup(given);
     if (given)

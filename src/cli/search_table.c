@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LABEL = 96 };
+enum { LABEL = 96, NAME_COLUMNS = 31 };
 
 /* "wide", "wide x16 front ellipsoid:3" */
 static void label(const pm__search_row *row, char text[LABEL])
@@ -33,7 +33,13 @@ static void time_text(double ns, char text[24])
         (void)snprintf(text, 24, "%.1f ms", ns / 1e6);
 }
 
-static void ratio_text(double ratio, pm__interval ci95, char text[48])
+/* One round has no interval: both ends are then the value itself. */
+static bool has_interval(size_t rounds)
+{
+    return rounds > 1;
+}
+
+static void ratio_text(double ratio, pm__interval ci95, size_t rounds, char text[48])
 {
     if (!isfinite(ratio)) {
         (void)snprintf(text, 48, "-");
@@ -41,7 +47,9 @@ static void ratio_text(double ratio, pm__interval ci95, char text[48])
     }
     const double half = 0.5 * (ci95.high - ci95.low);
     const int digits = ratio < 9.995 ? 2 : 1;
-    if (half > 0.3 * ratio) /* so wide that the interval's two sides differ */
+    if (!has_interval(rounds))
+        (void)snprintf(text, 48, "%.*f", digits, ratio);
+    else if (half > 0.3 * ratio) /* so wide that the interval's two sides differ */
         (void)snprintf(text, 48, "%.*f (%.2g-%.2g)", digits, ratio, ci95.low, ci95.high);
     else
         (void)snprintf(text, 48, "%.*f ± %.*f", digits, ratio, digits, half);
@@ -57,7 +65,8 @@ static void print_head(FILE *file, const pm__search_row *row)
         (void)snprintf(kind, sizeof kind, "within %.8s m (%.0f photons)", radius, row->count);
     (void)fprintf(file, "%.40s, %zu photons, %s, queries in %s order\n", row->case_name, row->photons, kind,
                   row->coherent ? "coherent" : "random");
-    (void)fprintf(file, "  %-26s %10s  %-19s %16s %7s  %s\n", "", "build", " a query", "times as fast", "bytes", "");
+    (void)fprintf(file, "  %-*s %10s  %-19s %16s %7s  %s\n", NAME_COLUMNS, "", "build", " a query", "times as fast",
+                  "bytes", "");
 }
 
 /* ± is two bytes in one column. */
@@ -71,11 +80,15 @@ static void print_row(FILE *file, const pm__search_row *row)
     char name[LABEL], ns[24], low[24] = "", ratio[48];
     label(row, name);
     time_text(row->ns, ns);
-    if (isfinite(row->ns) && row->ns > 0.0)
+    if (isfinite(row->ns) && row->ns > 0.0 && has_interval(row->samples))
         (void)snprintf(low, sizeof low, "± %.1f %%", 50.0 * (row->ns_ci95.high - row->ns_ci95.low) / row->ns);
-    ratio_text(row->ratio, row->ratio_ci95, ratio);
-    (void)fprintf(file, "  %-26.26s %7.*f ms  %9s %-*s ", name, row->build_ms < 9.95 ? 2 : 0, row->build_ms, ns,
-                  *low ? 10 : 9, low);
+    ratio_text(row->ratio, row->ratio_ci95, row->samples, ratio);
+    if (strlen(name) > NAME_COLUMNS) { /* whole, on a line of its own */
+        (void)fprintf(file, "  %s\n", name);
+        *name = '\0';
+    }
+    (void)fprintf(file, "  %-*s %7.*f ms  %9s %-*s ", NAME_COLUMNS, name, row->build_ms < 9.95 ? 2 : 0, row->build_ms,
+                  ns, *low ? 10 : 9, low);
     put_ratio(file, ratio);
     (void)fprintf(file, " %7.1f  %s\n", row->bytes_per_photon, strcmp(row->status, "ok") == 0 ? "exact" : row->status);
     if (*row->detail)
@@ -116,6 +129,18 @@ static bool compare_rows(const pm__search_row *best, const pm__search_row *row, 
     return used > 0;
 }
 
+/* Two long names take a second line. */
+static void print_verdict(FILE *file, bool told_apart, const char *one, const char *other, const char *ratio)
+{
+    char text[3 * LABEL + 64];
+    if (told_apart)
+        (void)snprintf(text, sizeof text, "%s is %s times faster than %s", one, ratio, other);
+    else
+        (void)snprintf(text, sizeof text, "%s and %s are not distinguishable (%s)", one, other, ratio);
+    (void)fputs("  ", file);
+    pm__wrap(file, text, 2, 4);
+}
+
 static void print_comparison(FILE *file, const pm__search_row *best, const pm__search_row *row, double level)
 {
     char best_name[LABEL], name[LABEL], text[48];
@@ -125,11 +150,8 @@ static void print_comparison(FILE *file, const pm__search_row *best, const pm__s
     label(row, name);
     if (!compare_rows(best, row, level, &ratio, &ci95))
         return;
-    ratio_text(ratio, ci95, text);
-    if (ci95.low > 1.0 && enough_rounds(row->samples, level))
-        (void)fprintf(file, "  %s is %s times faster than %s\n", best_name, text, name);
-    else
-        (void)fprintf(file, "  %s and %s are not distinguishable (%s)\n", best_name, name, text);
+    ratio_text(ratio, ci95, row->samples < best->samples ? row->samples : best->samples, text);
+    print_verdict(file, ci95.low > 1.0 && enough_rounds(row->samples, level), best_name, name, text);
 }
 
 /* A row whose baseline is in another run's table. */
@@ -141,14 +163,12 @@ static void print_against_baseline(FILE *file, const pm__search_row *row)
     const pm__interval inverse = {1.0 / row->ratio_ci95.high, 1.0 / row->ratio_ci95.low};
     const pm__interval ci95 = faster ? row->ratio_ci95 : inverse;
     label(row, name);
-    ratio_text(ratio, ci95, text);
+    ratio_text(ratio, ci95, row->samples, text);
     if (!isfinite(ratio))
         return;
-    if (ci95.low > 1.0 && enough_rounds(row->samples, 0.95))
-        (void)fprintf(file, "  %s is %s times faster than %s\n", faster ? name : row->baseline, text,
-                      faster ? row->baseline : name);
-    else
-        (void)fprintf(file, "  %s and %s are not distinguishable (%s)\n", name, row->baseline, text);
+    const bool told_apart = ci95.low > 1.0 && enough_rounds(row->samples, 0.95);
+    print_verdict(file, told_apart, told_apart && !faster ? row->baseline : name,
+                  told_apart && !faster ? name : row->baseline, text);
 }
 
 static void print_summary(FILE *file, const pm__search_row **sorted, size_t count)
@@ -177,7 +197,7 @@ static void print_run(FILE *file, const pm__search_row *rows, size_t count)
     print_summary(file, sorted, count);
     if (isfinite(rows->aa_ratio)) {
         char text[48];
-        ratio_text(rows->aa_ratio, rows->aa_ci95, text);
+        ratio_text(rows->aa_ratio, rows->aa_ci95, rows->samples, text);
         (void)fprintf(file, "  control: %s against itself %s (false alarms: at most %.1f %%); %zu rounds\n",
                       rows->baseline, text, 100.0 * rows->aa_false_alarm_rate, rows->samples);
     }

@@ -1,5 +1,6 @@
 /* Image files of `storage`: densities as numbers (OpenEXR) and in false colour (PNG). */
 #include "commands.h"
+#include "file_names.h"
 #include "storage_task.h"
 #include "version.h"
 
@@ -11,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SCENE_PREFIX = sizeof "scene:" - 1, TEXT = 400 };
+enum { TEXT = 400 };
 
 static const struct {
     const char *suffix, *content;
@@ -21,34 +22,16 @@ static const struct {
     [PM__CONVERGENCE] = {"convergence", "C(x) = D_c / D_r (L_g / L_c)^3"},
 };
 
-/* Only parameters that are not the defaults; what a file name should not hold becomes -. */
-static void safe_name(const pm__spec *spec, char *text, size_t size)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789=._-";
-    char name[PM__MAX_SPEC];
-    pm__spec_format_short(spec, name, sizeof name);
-    (void)snprintf(text, size, "%s", name + (strncmp(name, "scene:", SCENE_PREFIX) == 0 ? SCENE_PREFIX : 0));
-    for (char *p = text; *(p += strspn(p, plain)); p++)
-        *p = '-';
-}
-
-static int stem_length(const char *path)
-{
-    const size_t length = strlen(path);
-    const bool known = length > 4 && (strcmp(path + length - 4, ".exr") == 0 || strcmp(path + length - 4, ".png") == 0);
-    return (int)(known ? length - 4 : length);
-}
-
 /* NAME.SCENE.MAP[.POLICY].KIND.EXTENSION; NULL: out of memory. */
 static char *path_of(const pm__storage_task *task, const pm__storage_scene *scene, const pm__density_image *image,
                      const char *extension)
 {
     const char *const given = task->settings->output;
     char scene_name[PM__MAX_SPEC], policy[PM__MAX_SPEC] = "", *path = NULL;
-    safe_name(scene->scene, scene_name, sizeof scene_name);
+    pm__safe_name(scene->scene, scene_name, sizeof scene_name);
     if (image->policy)
-        safe_name(image->policy, policy, sizeof policy);
-    const int length = asprintf(&path, "%.*s.%s.%s%s%s.%s.%s", stem_length(given), given, scene_name,
+        pm__safe_name(image->policy, policy, sizeof policy);
+    const int length = asprintf(&path, "%.*s.%s.%s%s%s.%s.%s", pm__stem_length(given), given, scene_name,
                                 pm__map_names[image->map], *policy ? "." : "", policy, kinds[image->kind].suffix,
                                 extension);
     return length < 0 ? NULL : path;

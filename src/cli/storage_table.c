@@ -191,7 +191,7 @@ void pm__storage_print(FILE *file, const pm__storage_task *task)
              "! the 95 % interval does not hold 100. spread: the largest power within k neighbours over their median. "
              "rmse, noise: of the image, in % of its mean; added: what this map adds to the error of large maps, "
              "sqrt(rmse^2 - theirs^2). trace, polic, total: seconds of sending, of the "
-             "policy, and until the map is there, importance included. sent, stored, times: means of a trial. "
-             "-: does not exist.",
+             "policy, and until the map is there, importance included; medians over trials. sent, stored: means of a "
+             "trial. -: does not exist.",
              0, 0);
 }

@@ -5,6 +5,7 @@
 #include "../base/vec3.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 pm_status pm_estimator_create(const char *spec, pm_estimator **estimator, pm_error *error)
 {
@@ -136,6 +137,15 @@ static double common_unit(const pm_source *source)
     return unit > 0.0 ? unit : 1.0;
 }
 
+/* What the caller's BRDF gave is in the sums: its NaN or infinity is no estimate. */
+static pm_status check_finite(double value[3])
+{
+    if (isfinite(value[0]) && isfinite(value[1]) && isfinite(value[2]))
+        return PM_OK;
+    memset(value, 0, 3 * sizeof *value);
+    return PM_ENONFINITE;
+}
+
 pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, const pm_query *query,
                       pm_workspace *workspace, pm_estimation *estimation)
 {
@@ -169,6 +179,8 @@ pm_status pm_estimate(const pm_estimator *estimator, const pm_source *source, co
     if (!unit_normal(query, lookup.normal) && gathering.offsets)
         return PM_EINVAL; /* no tangent plane */
     status = pm__evaluate(&estimator->spec, &lookup, workspace, estimation->value);
+    if (status == PM_OK)
+        status = check_finite(estimation->value);
     estimation->radius = region_radius(&lookup);
     for (size_t s = 0; s < lookup.set_count; s++)
         estimation->count += lookup.sets[s].count;

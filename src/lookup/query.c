@@ -244,7 +244,7 @@ double pm_max_radius_surface(size_t n, double max_power, double threshold)
     const double pi = 3.14159265358979323846;
     if (!(is_positive(max_power) && is_positive(threshold)))
         return 0.0;
-    return sqrt((double)n) * sqrt(max_power) / sqrt(threshold) / pi; /* [C02] 5.2.3 */
+    return fmin(sqrt((double)n) * sqrt(max_power) / sqrt(threshold) / pi, DBL_MAX); /* [C02] 5.2.3 */
 }
 
 double pm_max_radius_volume(size_t n, double max_power, double sigma, double threshold)
@@ -252,6 +252,6 @@ double pm_max_radius_volume(size_t n, double max_power, double sigma, double thr
     const double pi = 3.14159265358979323846;
     if (!(is_positive(max_power) && is_positive(threshold) && is_positive(sigma)))
         return 0.0;
-    return cbrt(3.0 * (double)n / (16.0 * pi * pi)) * cbrt(max_power) / cbrt(sigma) /
-           cbrt(threshold); /* [C02] 5.2.4, errata 44 */
+    const double radius = cbrt(3.0 * (double)n / (16.0 * pi * pi)) * cbrt(max_power) / cbrt(sigma) / cbrt(threshold);
+    return fmin(radius, DBL_MAX); /* [C02] 5.2.4, errata 44 */
 }

@@ -5,6 +5,7 @@
 #include "ply_reader.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -233,10 +234,26 @@ static void write_records(FILE *file, const pm_photon *photons, size_t count)
     }
 }
 
+/* The first photon that is not finite; `count` where all are. */
+static size_t first_not_finite(const pm_photon *photons, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        for (int a = 0; a < 3; a++)
+            if (!isfinite(photons[i].position[a]) || !isfinite(photons[i].direction[a]) ||
+                !isfinite(photons[i].power[a]))
+                return i;
+    return count;
+}
+
 pm_status pm_ply_write_photons(const char *path, const pm_photon *photons, size_t count, pm_error *error)
 {
     if (!path || (!photons && count))
         return pm__fail(error, PM_EINVAL, "writing photons needs a path and the photons");
+    if (count > SIZE_MAX / sizeof *photons)
+        return pm__fail(error, PM_EINVAL, "%zu photons: memory cannot hold so many", count);
+    const size_t bad = first_not_finite(photons, count);
+    if (bad < count)
+        return pm__fail(error, PM_ENONFINITE, "photon %zu: a value is not finite", bad);
     pm__output output;
     const pm_status status = pm__output_open(path, &output, error);
     if (status != PM_OK)

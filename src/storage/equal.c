@@ -43,6 +43,17 @@ static void list_places(const pm__sizes *sizes, size_t left, place *places)
     qsort(places, sizes->count, sizeof *places, by_cost);
 }
 
+/* Those alone that have logarithms: how many. A line goes on to the next of them. */
+static size_t list_clear(const pm__sizes *sizes, size_t left, place *places)
+{
+    size_t count = 0;
+    list_places(sizes, left, places);
+    for (size_t i = 0; i < sizes->count; i++)
+        if (isfinite(places[i].error) && isfinite(places[i].cost))
+            places[count++] = places[i];
+    return count;
+}
+
 static double along(const place *a, const place *b, double error)
 {
     return a->cost + (error - a->error) / (b->error - a->error) * (b->cost - a->cost);
@@ -54,7 +65,7 @@ static double cost_at(const place *places, size_t count, double error, bool beyo
     double nearest = (double)INFINITY, cost = (double)NAN;
     for (size_t i = 0; i + 1 < count; i++) {
         const place *const a = &places[i], *const b = &places[i + 1];
-        if (!isfinite(a->error) || !isfinite(b->error) || a->error == b->error)
+        if (a->error == b->error)
             continue;
         if (fmin(a->error, b->error) <= error && error <= fmax(a->error, b->error))
             return along(a, b, error);
@@ -67,12 +78,12 @@ static double cost_at(const place *places, size_t count, double error, bool beyo
     return cost;
 }
 
-/* That of the least error, of those that there are; NULL. */
+/* That of the least error; NULL: there is none. */
 static const place *least_of(const place *places, size_t count)
 {
     const place *least = NULL;
     for (size_t i = 0; i < count; i++)
-        if (isfinite(places[i].error) && (!least || places[i].error < least->error))
+        if (!least || places[i].error < least->error)
             least = &places[i];
     return least;
 }
@@ -89,46 +100,44 @@ static double most_of(const place *places, size_t count)
 typedef struct pair {
     const pm__sizes *sizes[2];
     place *places[2];
+    size_t count[2]; /* places that are clear, with all trials */
 } pair;
 
-static const char *why_none(const pair *p, const place *const least[2])
+static const char *why_none(const pair *p, const place *const least[2], int which)
 {
     static const char *const apart[2] = {"its errors are smaller than all of those of all",
                                          "its errors are larger than all of those of all"};
     for (int i = 0; i < 2; i++)
         if (!least[i])
             return i ? "no error of all stands out of the reference's" : "no error stands out of the reference's";
-    for (int i = 0; i < 2; i++)
-        if (least[!i]->error > most_of(p->places[i], p->sizes[i]->count))
-            return apart[i];
-    for (int i = 0; i < 2; i++)
-        if (p->sizes[i]->count < 2)
-            return i ? "it takes two sizes of all to compare with" : "it takes two sizes to compare with";
-    return "between the sizes of one there is none of its errors";
+    if (least[which]->error > most_of(p->places[!which], p->count[!which]))
+        return apart[!which];
+    return which ? "it takes two sizes of different errors" : "it takes two sizes of all of different errors";
 }
 
 /* The logarithm of the ratio at the error of this size of one of both, without a trial. */
 static double log_ratio(const pair *p, int which, size_t size, size_t left)
 {
     const place own = place_of(p->sizes[which], size, left);
-    list_places(p->sizes[!which], left, p->places[!which]);
-    const double other = cost_at(p->places[!which], p->sizes[!which]->count, own.error, true);
+    const size_t count = list_clear(p->sizes[!which], left, p->places[!which]);
+    const double other = cost_at(p->places[!which], count, own.error, true);
     return which ? own.cost - other : other - own.cost;
 }
 
-/* One of both is compared at a size that it has: that of the least error, if the other reaches it. */
-static void fill(const pair *p, double *without, pm__equal *equal)
+/* One of both is compared at a size that it has: that of the least error, if the other reaches it. Intervals keep to
+ * that size, whose error moves as a trial is left out: a ratio that went from one to the other would leap. */
+static void fill(pair *p, double *without, pm__equal *equal)
 {
     const place *least[2];
     for (int i = 0; i < 2; i++) {
-        list_places(p->sizes[i], SIZE_MAX, p->places[i]);
-        least[i] = least_of(p->places[i], p->sizes[i]->count);
+        p->count[i] = list_clear(p->sizes[i], SIZE_MAX, p->places[i]);
+        least[i] = least_of(p->places[i], p->count[i]);
     }
     const int which = least[0] && least[1] && least[1]->error > least[0]->error;
     const place own = least[which] ? *least[which] : (place){0.0, 0.0, 0};
-    const double other = cost_at(p->places[!which], p->sizes[!which]->count, own.error, false);
+    const double other = cost_at(p->places[!which], p->count[!which], own.error, false);
     if (!least[0] || !least[1] || !isfinite(other)) {
-        equal->why = why_none(p, least);
+        equal->why = why_none(p, least, which);
         return;
     }
     const double found = which ? own.cost - other : other - own.cost;
@@ -144,7 +153,7 @@ static void fill(const pair *p, double *without, pm__equal *equal)
 pm__equal pm__equal_error(const pm__sizes *mine, const pm__sizes *other)
 {
     pm__equal equal = {(double)NAN, (double)NAN, {(double)NAN, (double)NAN}, NULL};
-    pair p = {{mine, other}, {NULL, NULL}};
+    pair p = {{mine, other}, {NULL, NULL}, {0, 0}};
     double *const without = pm__alloc(mine->trials, sizeof *without);
     for (int i = 0; i < 2; i++)
         p.places[i] = pm__alloc(p.sizes[i]->count, sizeof **p.places);

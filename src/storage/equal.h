@@ -21,8 +21,8 @@ typedef struct pm__equal {
 } pm__equal;
 
 /* At the least error that both reach. It is that of a size of one of both; the other's cost there: by straight lines
- * through logarithms, from size to size by ascending cost, the first that meets the error. Both of as many trials, two
- * or more. ENOMEM shows as no ratio. */
+ * through logarithms, from size to size by ascending cost, the first that meets the error. Sizes whose mean square or
+ * cost is not above 0 are passed over. Both of as many trials, two or more. ENOMEM shows as no ratio. */
 pm__equal pm__equal_error(const pm__sizes *mine, const pm__sizes *other);
 
 /* The sizes that no other one beats in both mean cost and error, by ascending cost: into front[count]; how many. */

@@ -136,8 +136,9 @@ static void compare(const span *mine, const span *all, pm__storage_front *front)
         const pm__equal equal = pm__equal_error(&own, &other);
         *ratios[c] = equal.ratio;
         *intervals[c] = equal.ci95;
-        front->rel_error = equal.error;
-        if (equal.why)
+        if (c == STORED)
+            front->rel_error = equal.error;
+        if (c == STORED && equal.why)
             (void)snprintf(front->detail, sizeof front->detail, "%s", equal.why);
     }
 }

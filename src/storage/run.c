@@ -94,16 +94,18 @@ static void tell_trials(pm__storage_job *job, const pm__storage_item *item)
                             row->policy->entry->name);
 }
 
-/* Importance is found where photons first ask for it, and kept: once before the trials, for it is no policy's cost. */
+/* Importance is found where photons first ask for it, and kept: done once before the trials, that the first row to ask
+ * does not pay for all. By photons of a trial of their own, which are thrown away; what is found is the same whoever
+ * asks. It is in no row's time. */
 static pm_status warm(pm__storage_job *job, pm_error *error)
 {
     pm_status status = PM_OK;
     for (size_t i = 0; i < job->item_count && status == PM_OK; i++) {
+        const pm__storage_row *const row = &job->items[i].row;
         pm__stored_photons set = {0};
-        if (!job->items[i].largest)
+        if (!job->items[i].largest || !pm__policy_needs_importance(row->policy))
             continue;
-        status = pm__storage_canceled(job) ? PM_ECANCELED
-                                           : store(job, &job->items[i].row, job->wish->trials, &set, error);
+        status = pm__storage_canceled(job) ? PM_ECANCELED : store(job, row, job->wish->trials, &set, error);
         pm__stored_photons_free(&set);
     }
     return status;

@@ -283,7 +283,8 @@ static pm_status begin(pm__storage *storage)
         return pm__fail(storage->error, PM_EINVAL, "the convergence of caustics needs a map of all light");
     const double mean = config->importance ? pm__importance_mean(config->importance, config->kind) : 0.0;
     const double usual = (double)pm__density_at(&d->rule, (float)mean), least = (double)pm__density_at(&d->rule, 0.0f);
-    return pm__plots_init(&d->plots, d->rule.neighbors, usual, least, low, across, storage->planned, d->rule.power > 0);
+    pm__plots_init(&d->plots, d->rule.neighbors, usual, least, low, across, storage->planned, d->rule.power > 0);
+    return PM_OK;
 }
 
 static const pm__plot *plot_of(const pm__density *d, uint64_t key)

@@ -19,20 +19,12 @@ enum { MOST_COMMON = 1 };
 
 /* ---- Places ------------------------------------------------------------------------------------- */
 
-static pm_status create_shards(pm__plots *plots, uint64_t photons)
+static size_t first_size(uint64_t photons)
 {
     size_t size = LEAST_SIZE;
     while (size < MOST_FIRST && size < photons / PM__PLOT_SHARDS)
         size *= 2;
-    for (int i = 0; i < PM__PLOT_SHARDS; i++) {
-        pm__plot_shard *const shard = &plots->shards[i];
-        shard->plots = pm__alloc_zero(size, sizeof *shard->plots);
-        shard->light = plots->lit ? pm__alloc_zero(size, sizeof *shard->light) : NULL;
-        shard->size = size;
-        if (!shard->plots || (plots->lit && !shard->light))
-            return PM_ENOMEM;
-    }
-    return PM_OK;
+    return size;
 }
 
 /* From half of the usual density up to twice it the usual level, then one for each factor of four. fill: how much of
@@ -50,14 +42,14 @@ static int level_of(const pm__plot_frame *f, float required, float *fill)
 
 /* The level of the usual density is that in the middle; other levels only while cells can be told apart, and are no
  * larger than the scene. A third of a square is off the lines of all levels, as of those through the corner. */
-pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3],
-                         double across, uint64_t photons, bool lit)
+void pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3], double across,
+                    uint64_t photons, bool lit)
 {
     const double finest = across / MOST_CELLS;
     const double edge = fmax(finest, fmin(sqrt(0.5 * neighbors / usual), across));
     pm__plot_frame *const f = &plots->frame;
     float fill;
-    *plots = (pm__plots){.lanes = pm__lanes_choose(), .lit = lit};
+    *plots = (pm__plots){.lanes = pm__lanes_choose(), .lit = lit, .first_size = first_size(photons)};
     *f = (pm__plot_frame){.per_edge = (float)(1.0 / edge), .area = (float)(edge * edge), .usual = (float)usual,
                           .least = PM__PLOT_USUAL, .most = PM__PLOT_USUAL};
     for (int a = 0; a < 3; a++)
@@ -71,7 +63,6 @@ pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, doubl
     if (f->common > PM__PLOT_USUAL + MOST_COMMON)
         f->common = PM__PLOT_USUAL + MOST_COMMON;
     f->offset = (float)(ldexp(edge, f->common - PM__PLOT_USUAL) / 3.0);
-    return create_shards(plots, photons);
 }
 
 static void take_points(const pm_photon *photons, const float (*normals)[3], const float *required,
@@ -125,15 +116,22 @@ size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key)
 
 /* ---- Tables ------------------------------------------------------------------------------------- */
 
+static pm_status create(size_t size, bool lit, pm__plot_shard *shard)
+{
+    *shard = (pm__plot_shard){.size = size, .plots = pm__alloc_zero(size, sizeof *shard->plots)};
+    shard->light = lit ? pm__alloc_zero(size, sizeof *shard->light) : NULL;
+    if (shard->plots && (shard->light || !lit))
+        return PM_OK;
+    pm__plot_shard_free(shard);
+    return PM_ENOMEM;
+}
+
 static pm_status enlarge(pm__plot_shard *shard)
 {
-    pm__plot_shard larger = {.size = 2 * shard->size, .count = shard->count};
-    larger.plots = pm__alloc_zero(larger.size, sizeof *larger.plots);
-    larger.light = shard->light ? pm__alloc_zero(larger.size, sizeof *larger.light) : NULL;
-    if (!larger.plots || (shard->light && !larger.light)) {
-        pm__plot_shard_free(&larger);
+    pm__plot_shard larger;
+    if (create(2 * shard->size, shard->light, &larger))
         return PM_ENOMEM;
-    }
+    larger.count = shard->count;
     for (size_t i = 0; i < shard->size; i++) {
         if (!shard->plots[i].key)
             continue;
@@ -147,9 +145,12 @@ static pm_status enlarge(pm__plot_shard *shard)
     return PM_OK;
 }
 
+/* Tables are made by who is about to work on them. */
 pm__plot *pm__plot_add(pm__plots *plots, size_t number, uint64_t key)
 {
     pm__plot_shard *const shard = &plots->shards[number];
+    if (!shard->plots && create(plots->first_size, plots->lit, shard))
+        return NULL;
     pm__plot *plot = pm__plot_find(shard, key);
     if (plot->key)
         return plot;
@@ -166,6 +167,9 @@ pm__plot *pm__plot_add(pm__plots *plots, size_t number, uint64_t key)
 pm_status pm__plot_shard_copy(const pm__plot_shard *shard, pm__plot_shard *to)
 {
     pm__plot_shard copy = *shard;
+    *to = copy;
+    if (!shard->plots)
+        return PM_OK;
     copy.plots = pm__alloc(shard->size, sizeof *copy.plots);
     copy.light = shard->light ? pm__alloc(shard->size, sizeof *copy.light) : NULL;
     *to = copy;

@@ -31,7 +31,7 @@ typedef struct pm__plot {
 /* Plots of a share of all keys, to be worked on by one thread at a time: a table by key, open addressing. */
 typedef struct pm__plot_shard {
     pm__plot *plots;
-    size_t count, size; /* size: of the table, a power of two */
+    size_t count, size; /* size: of the table, a power of two; 0: nothing came there yet */
     double *light;      /* power of all that came there, by plot; NULL: nobody asks for it */
 } pm__plot_shard;
 
@@ -39,6 +39,7 @@ typedef struct pm__plots {
     pm__plot_frame frame;
     const pm__lanes *lanes;
     bool lit;                              /* light is asked for */
+    size_t first_size;                     /* of a shard's table */
     pm__plot_shard shards[PM__PLOT_SHARDS];
 } pm__plots;
 
@@ -53,9 +54,9 @@ typedef struct pm__plot_place {
 } pm__plot_place;
 
 /* neighbors: M; usual: 1/m2, a density that is required, > 0: of its plots half of M are; least: the least that is;
- * low: of a box of `across` m about all places; photons: that will be sent, about. ENOMEM. */
-pm_status pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3],
-                         double across, uint64_t photons, bool lit);
+ * low: of a box of `across` m about all places; photons: that will be sent, about. */
+void pm__plots_init(pm__plots *plots, double neighbors, double usual, double least, const double low[3], double across,
+                    uint64_t photons, bool lit);
 
 /* The shard of a place that has the key. */
 size_t pm__plot_shard_of(const pm__plots *plots, uint64_t key);
@@ -110,7 +111,7 @@ static inline void pm__plot_prefetch(const pm__plot_shard *shard, uint64_t key)
     __builtin_prefetch(&shard->plots[pm__plot_hash(key) & (shard->size - 1)], 1);
 }
 
-/* That of the key, or a free one. */
+/* That of the key, or a free one. The shard has a table. */
 static inline pm__plot *pm__plot_find(const pm__plot_shard *shard, uint64_t key)
 {
     size_t i = pm__plot_hash(key) & (shard->size - 1);

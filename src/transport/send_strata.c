@@ -241,6 +241,7 @@ static void release(pm__storage *s)
     pm__strata_free(&s->sender->strata);
     free(s->sender->strays);
     free(s->sender->places);
+    free(s->sender->paths);
     free(s->sender);
 }
 

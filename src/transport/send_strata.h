@@ -20,8 +20,10 @@ typedef struct pm__sender {
     double heaviest; /* of the strata's loads */
     pm__stray *strays; /* put aside, and those in the stock by their places */
     size_t stray_count, stray_room;
-    size_t *places;
+    size_t *places;    /* in the stock's order */
     size_t place_count, place_room;
+    uint64_t *paths;   /* of each photon of the stock behind the settled ones, if so many stored are wanted */
+    size_t path_room;
 } pm__sender;
 
 /* Parameters `strata`, `tests`: a light's strata and trial photons of each at least. First whole lights are tried;

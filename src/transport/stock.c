@@ -24,6 +24,16 @@ void pm__stock_free(pm__stock *stock)
     *stock = (pm__stock){0};
 }
 
+void pm__add_powers(const pm_photon *photons, const unsigned char *part, size_t count, double sums[2])
+{
+    for (size_t i = 0; i < count; i++) {
+        const float *const power = photons[i].power;
+        const double sum = (double)power[0] + (double)power[1] + (double)power[2];
+        sums[0] += sum;
+        sums[1] += part[i] ? sum : 0.0;
+    }
+}
+
 size_t pm__stock_taken(const pm__stock *stock, size_t wanted, const unsigned char *kept, const uint32_t *numbers,
                        uint64_t first, size_t count)
 {

@@ -33,6 +33,9 @@ static inline void pm__stock_add(pm__stock *stock, const pm_photon *photon, cons
 
 void pm__stock_free(pm__stock *stock);
 
+/* Powers of all bands, to the sums: of all, and of those that lie in important places. */
+void pm__add_powers(const pm_photon *photons, const unsigned char *part, size_t count, double sums[2]);
+
 /* How many of `count` arrivals, of which some are kept, are taken: all, or those up to the end of the path before that
  * by which `wanted` photons are stored. numbers: of their paths, 0 being `first`. kept NULL: all are. Path 0 of all is
  * never left out. */

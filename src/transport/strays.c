@@ -107,6 +107,19 @@ pm_status pm__note_strays(pm__storage *storage, size_t first)
     return sift(storage->config->parallel, &s, &sender->places, &sender->place_count, &sender->place_room);
 }
 
+pm_status pm__note_paths(pm__storage *storage, const pm__arrivals *arrivals, size_t first)
+{
+    pm__sender *const sender = storage->sender;
+    const size_t settled = storage->settled, count = storage->stock.count - first;
+    if (storage->config->stored == SIZE_MAX || !has_strays(storage))
+        return PM_OK;
+    if (pm__grow((void **)&sender->paths, &sender->path_room, first + count - settled, sizeof *sender->paths))
+        return PM_ENOMEM;
+    for (size_t i = 0; i < count; i++)
+        sender->paths[first - settled + i] = arrivals->first + arrivals->numbers[i];
+    return PM_OK;
+}
+
 /* ---- Put aside ---------------------------------------------------------------------------------- */
 
 pm__stray pm__stray_of(const pm__storage *storage, const pm_photon *photon, const float normal[3], bool important)
@@ -187,6 +200,15 @@ static void split_some(void *argument, size_t block)
         split(s, i);
 }
 
+/* Parts but the first of each. */
+static size_t more_of(const pm__stray_places *places)
+{
+    size_t more = 0;
+    for (size_t i = 0; i < places->stray_count; i++)
+        more += places->strays[i].parts - 1;
+    return more;
+}
+
 static pm_status split_all(pm__storage *storage, const pm__stray_places *places)
 {
     size_t more = 0;
@@ -204,15 +226,69 @@ static pm_status split_all(pm__storage *storage, const pm__stray_places *places)
     return status;
 }
 
+/* The stock is that of the paths before photon `end`. */
+static void take_back(pm__storage *storage, size_t end, bool one_is_enough)
+{
+    pm__sender *const sender = storage->sender;
+    pm__stock *const stock = &storage->stock;
+    pm__account *const account = &storage->account;
+    const size_t settled = storage->settled;
+    *account = (pm__account){.arrived = end - settled};
+    pm__account_end(account, sender->paths[end - settled], one_is_enough);
+    pm__add_powers(stock->photons + settled, stock->part + settled, end - settled, account->came);
+    stock->count = end;
+    while (sender->place_count > 0 && sender->places[sender->place_count - 1] >= end)
+        sender->place_count--;
+}
+
+/* Where the paths end by which, each with its parts, as many as are wanted are there: as pm__stock_taken has it, so
+ * that paths are still equally likely in all orders (errata 37). */
+static size_t end_with_parts(const pm__storage *storage, const pm__stray_places *places, bool *one_is_enough)
+{
+    const size_t settled = storage->settled, wanted = storage->config->stored;
+    const uint64_t *const paths = storage->sender->paths;
+    size_t sum = settled, begin = settled, next = 0; /* of the path in hand; of the strays */
+    *one_is_enough = false;
+    for (size_t i = settled; i < storage->stock.count; i++) {
+        if (i > settled && paths[i - settled] != paths[i - settled - 1]) {
+            begin = i;
+            *one_is_enough = sum >= wanted;
+        }
+        if (*one_is_enough)
+            return i;
+        sum += next < places->stray_count && places->strays[next].place == i ? places->strays[next++].parts : 1;
+        if (sum >= wanted && paths[i - settled] > 0)
+            return begin;
+    }
+    return storage->stock.count;
+}
+
+/* Are there too many with the parts? */
+static bool is_taken_back(pm__storage *storage, const pm__stray_places *places)
+{
+    const size_t count = storage->stock.count, wanted = storage->config->stored;
+    bool one_is_enough;
+    if (wanted == SIZE_MAX || count + more_of(places) <= wanted)
+        return false;
+    const size_t end = end_with_parts(storage, places, &one_is_enough);
+    if (end < count)
+        take_back(storage, end, one_is_enough);
+    return end < count;
+}
+
+/* With fewer photons lookups reach farther, to more strays: so again. */
 pm_status pm__split_strays(pm__storage *storage)
 {
-    pm__stray_places places;
-    if (!storage->sender || !storage->sender->place_count)
-        return PM_OK;
-    pm_status status = pm__find_near_importance(storage, &places);
-    if (status == PM_OK)
-        status = split_all(storage, &places);
-    pm__stray_places_free(&places);
+    bool again = true;
+    pm_status status = PM_OK;
+    while (again && status == PM_OK && storage->sender && storage->sender->place_count) {
+        pm__stray_places places;
+        status = pm__find_near_importance(storage, &places);
+        again = status == PM_OK && is_taken_back(storage, &places);
+        if (status == PM_OK && !again)
+            status = split_all(storage, &places);
+        pm__stray_places_free(&places);
+    }
     return status;
 }
 

@@ -1,35 +1,7 @@
 /* compare as a script sees it, on small files made by hand. */
-#include "../program.h"
-#include "../rows.h"
+#include "../compare.h"
 
-enum { SAMPLES = 40, TEXT = 1 << 16 };
-static pm__test_directory place;
-
-static const char head[] =
-    "{\"schema\":\"photonbench/1\",\"command\":\"%s\",\"machine\":{\"cpu\":\"x\"},\"rows\":[%s]}\n";
-
-static void setup(void)
-{
-    place = pm__test_directory_create();
-}
-
-static void teardown(void)
-{
-    pm__test_directory_remove(&place);
-}
-
-static void write_text(const char *name, const char *text)
-{
-    char path[PM__TEST_PATH];
-    pm__test_write(pm__test_path(&place, name, path), text, strlen(text));
-}
-
-static void write_file(const char *name, const char *command, const char *rows)
-{
-    static char text[2 * TEXT];
-    (void)snprintf(text, sizeof text, head, command, rows);
-    write_text(name, text);
-}
+enum { SAMPLES = 40 };
 
 static double spread = 0.02; /* of the samples, relative */
 
@@ -61,37 +33,6 @@ static void add_accuracy(char *rows, const char *estimator, double bias, double 
         "\"trials\":30,\"rel_bias\":%.17g,\"rel_bias_ci95\":[%.17g,%.17g],\"rel_noise\":%.17g,\"rel_noise_ci95\":["
         "%.17g,%.17g],\"rel_rmse\":null,\"rel_rmse_ci95\":null}",
         used ? "," : "", estimator, bias, bias - t * se, bias + t * se, noise, noise / 1.02, noise * 1.02);
-}
-
-static const char *command(const char *a, const char *b, const char *rest)
-{
-    static char line[2 * PM__TEST_PATH + 200];
-    (void)snprintf(line, sizeof line, "compare %s/%s %s/%s %s", place.path, a, place.path, b, rest);
-    return line;
-}
-
-static json_t *compare_json(const char *a, const char *b, int status)
-{
-    json_t *const root = json_loads(pm__expect(command(a, b, "--json -"), status, NULL)->out, 0, NULL);
-    ck_assert_ptr_nonnull(root);
-    return root;
-}
-
-static const char *text_of(json_t *root, size_t row, const char *field)
-{
-    return pm__text_of(pm__item(root, "rows", row), field);
-}
-
-static double number_of(json_t *root, size_t row, const char *field)
-{
-    return pm__number_of(pm__item(root, "rows", row), field);
-}
-
-static char rows_a[TEXT], rows_b[TEXT];
-
-static void clear(void)
-{
-    *rows_a = *rows_b = '\0';
 }
 
 START_TEST(identical_files_do_not_differ)
@@ -312,7 +253,7 @@ static const struct {
      "expected JSON: duplicate object key"},
     {"{\"schema\":\"photonbench/1\",\"command\":\"list\",\"rows\":[]}", 2, "results of 'list' cannot be compared"},
     {"{\"schema\":\"photonbench/1\",\"command\":\"accuracy\",\"rows\":[]}", 2, "different commands cannot be compared"},
-    {"\x76\x2f\x31\x01\x02", 2, "an OpenEXR image; images cannot be compared yet"},
+    {"\x76\x2f\x31\x01\x02", 2, "b.json is an OpenEXR image"},
     {"vast", 3, "expected JSON"},
 };
 
@@ -418,8 +359,12 @@ START_TEST(usage_and_help)
     (void)pm__expect("compare a.json", 2, "two result files are needed");
     (void)pm__expect("compare a b c", 2, "unexpected argument 'c'");
     (void)pm__expect("compare a b --seed 2", 2, "unknown option '--seed'");
+    setup();
+    write_file("a.json", "search", good_row);
+    (void)pm__expect(command("a.json", "a.json", "--metric mse"), 2, "--metric is for two images");
+    teardown();
     const char *const out = pm__expect("help compare", 0, NULL)->out;
-    ck_assert_ptr_nonnull(strstr(out, "Usage: photonbench compare [options] A.json B.json"));
+    ck_assert_ptr_nonnull(strstr(out, "Usage: photonbench compare [options] A B"));
     ck_assert_ptr_nonnull(strstr(out, "Exit status 1: something regressed"));
     for (const char *line = out; *line; line += strcspn(line, "\n") + 1)
         ck_assert_uint_le(strcspn(line, "\n"), 100);

@@ -161,6 +161,20 @@ START_TEST(test_refusals)
 }
 END_TEST
 
+/* One round has no interval; names are whole. */
+START_TEST(test_screen_of_one_round)
+{
+    const pm__run *const run = pm__expect("search --case square --photons 500 --samples 1 --k 5 --quiet --front on "
+                                          "--search recursive,unbalanced --lookup ellipsoid:2.125", 0, NULL);
+    ck_assert_msg(strstr(run->out, "±") == NULL, "%s", run->out);
+    ck_assert_msg(strstr(run->out, "\n  recursive front ellipsoid:2.125 ") != NULL, "%s", run->out);
+    ck_assert_msg(strstr(run->out, "\n  unbalanced front ellipsoid:2.125\n") != NULL, "%s", run->out);
+    for (const char *line = run->out; *line; line += strcspn(line, "\n") + 1)
+        ck_assert_msg(strcspn(line, "\n") <= 100, "%.120s", line);
+}
+END_TEST
+
 PM_TEST_MAIN("cli search", test_fields_are_the_contract, test_all_are_exact_on_every_set,
              test_k_above_the_photons_finds_them_all, test_shapes_and_sides, test_screen_ends_with_a_verdict,
-             test_same_rows_but_for_times, test_a_file_of_photons, test_refusals)
+             test_same_rows_but_for_times, test_a_file_of_photons, test_refusals,
+             test_screen_of_one_round)

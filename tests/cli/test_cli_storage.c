@@ -39,6 +39,7 @@ START_TEST(rows_have_the_contract)
         ck_assert_double_ge(pm__number_of(row, "power_spread"), 1.0);
         ck_assert_double_ge(pm__number_of(row, "total_s"), pm__number_of(row, "trace_s"));
         ck_assert_double_eq(pm__number_of(row, "trials"), 3.0);
+        ck_assert(isfinite(pm__number_of(row, "cost_added")));
         if (i / 2 % 3 == 0) /* `all` beside itself */
             ck_assert_double_eq(pm__number_of(row, "cost_added"), 0.0);
         else
@@ -74,6 +75,8 @@ START_TEST(all_keeps_everything)
     json_t *const alone = pm__expect_json("storage torus " TINY "--policy percentage --map global --json -");
     ck_assert_uint_eq(pm__items(alone, "rows"), 2);
     ck_assert_double_gt(pm__number_of(pm__item(alone, "rows", 0), "flux_expected"), 0.0);
+    ck_assert(pm__is_null(pm__item(alone, "rows", 0), "cost_added") &&
+              pm__is_null(pm__item(alone, "rows", 1), "cost_added"));
     ck_assert_str_eq(pm__text_of(pm__item(alone, "fronts", 0), "status"), "incomparable");
     json_decref(alone);
 }

@@ -6,6 +6,7 @@
 #include "../../estimators/estimator.h"
 #include "../../src/base/sampler.h"
 #include "../../src/methods/render.h"
+#include "../../src/metrics/metrics.h"
 #include "../../src/search/search.h"
 #include "../../src/transport/storing.h"
 
@@ -61,8 +62,8 @@ static bool is_mentioned(const char *name)
 START_TEST(everything_listed_is_mentioned)
 {
     const pm__catalogue *const all[] = {&pm__estimators, &pm__all_cases, &pm__searches, &pm__samplers,
-                                        &pm__methods,    &pm__progressives, &pm__policies};
-    for (int c = 0; c < 7; c++)
+                                        &pm__methods,    &pm__progressives, &pm__policies, &pm__metrics};
+    for (int c = 0; c < 8; c++)
         for (size_t i = 0; i < all[c]->count; i++)
             ck_assert_msg(is_mentioned(all[c]->entries[i]->name), "no page mentions the %s %s", all[c]->kind,
                           all[c]->entries[i]->name);
@@ -112,6 +113,8 @@ START_TEST(fields_are_documented)
 {
     check_fields("accuracy --case square --estimator disc --k 5 --photons 100 --trials 2 --probes 4 --json -",
                  "docs/accuracy.md");
+    check_fields("compare cases/scenes/references/egg.exr cases/scenes/references/egg.exr --metric mse --json -",
+                 "docs/compare.md");
     check_fields("search --search recursive --photons 100 --k 5 --samples 2 --json -", "docs/search.md");
     check_fields("speed water --quantity trace --photons 200 --k 10 --seconds 0.01 --json -", "docs/speed.md");
     check_fields("render water --size 4x4 --spp 1 --photons 1000 --k 10 --quiet --json - -o /dev/null",

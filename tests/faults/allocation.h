@@ -254,15 +254,18 @@ static inline void pm__digest(uint64_t *digest, const void *bytes, size_t size)
 }
 
 /* Each of the first pm__all_below allocations, then steps of a pm__each_part-th of n; with PM_FULL=1 in the environment
- * all. Returns how many there were. */
+ * all, or, for what allocates so often that all would take hours, pm__full_below and pm__full_part likewise. Returns
+ * how many there were. */
 static uint64_t pm__all_below = 250, pm__each_part = 80;
+static uint64_t pm__full_below = UINT64_MAX, pm__full_part = 1;
 static inline uint64_t pm__refuse_each(const char *name, pm__try attempt, void *context, bool from_then_on)
 {
     uint64_t want = 0;
     pm_error error = {""};
     ck_assert_msg(attempt(context, &want, &error) == PM_OK, "%s: %s", name, error.text);
-    const bool all = getenv("PM_FULL") != NULL;
-    for (uint64_t n = 1;; n += all || n < pm__all_below ? 1 : 1 + n / pm__each_part) {
+    const bool full = getenv("PM_FULL") != NULL;
+    const uint64_t below = full ? pm__full_below : pm__all_below, part = full ? pm__full_part : pm__each_part;
+    for (uint64_t n = 1;; n += n < below ? 1 : 1 + n / part) {
         uint64_t got = 0;
         *error.text = '\0';
         pm__refuse_from(n, from_then_on);

@@ -41,7 +41,8 @@ static void digest_rows(const char *line, uint64_t *digest)
 static void remove_outputs(void)
 {
     static const char *const names[] = {"rows.json", "rows.csv", "rows.md", "out", "err", "state", "image.exr",
-                                        "index.html"};
+                                        "map.mse.exr", "map.mse.png", "map.ssim.exr", "map.ssim.png",
+                                        "map.hdrflip.exr", "map.hdrflip.png", "index.html"};
     char path[PM__TEST_PATH];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         (void)unlink(pm__test_path(&pm__place, names[i], path));
@@ -159,6 +160,19 @@ START_TEST(reports)
 }
 END_TEST
 
+/* Maps that were complete before the refusal may stay. */
+START_TEST(comparisons_of_images)
+{
+    pm__place = pm__test_directory_create();
+    (void)pm__run_command("render plate --size 5x4 --photons 50 --spp 1 --k 5 -o @a.exr" QUICK);
+    (void)pm__run_command("render plate --size 5x4 --photons 90 --spp 2 --k 5 -o @b.exr" QUICK);
+    remove_outputs();
+    static const char line[] = "compare @a.exr @b.exr --metric mse,ssim,hdrflip -o @map --json @rows.json --quiet";
+    pm__each_refusal(line, run, &(commanding){line, 2});
+    pm__test_directory_remove(&pm__place);
+}
+END_TEST
+
 /* What was done is still there to go on from, whatever failed before. */
 START_TEST(resumed)
 {
@@ -186,6 +200,8 @@ START_TEST(storage)
 {
     pm__each_part = 3;
     pm__all_below = 40; /* each passes over its scene's importance and its reference */
+    pm__full_below = 200;
+    pm__full_part = 60;
     check_command("storage torus --policy density --photons 100 --trials 2 --spp 4 "
                   "--paths 100 --json @rows.json --csv @rows.csv" QUICK);
 }
@@ -195,6 +211,8 @@ START_TEST(speed)
 {
     pm__each_part = 3;
     pm__all_below = 20; /* clocks are waited for */
+    pm__full_below = 200;
+    pm__full_part = 60;
     check_command("speed corner --quantity trace,visualize,skip,pass --photons 50 --k 5 --size 4x4 "
                   "--seconds 0.01 --json @rows.json" QUICK);
 }
@@ -207,4 +225,4 @@ START_TEST(list)
 END_TEST
 
 PM_TEST_MAIN("memory of the program", accuracy, accuracy_of_scenes, search, render, converge, estimates, comparisons,
-             reports, resumed, advice, stress, storage, speed, list)
+             comparisons_of_images, reports, resumed, advice, stress, storage, speed, list)

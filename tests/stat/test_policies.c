@@ -222,6 +222,62 @@ START_TEST(test_no_dots)
 }
 END_TEST
 
+/* The same where so many are wanted, and parts are of that number: no more, and few less. */
+START_TEST(test_no_dots_of_so_many_stored)
+{
+    policed p = policed_floor(1.0);
+    static const size_t wanted[] = {2000, 8000};
+    static const char *const policies_of[] = {"emission:strata=1024,tests=16",
+                                              "emission:strata=1024,tests=16,strays=keep"};
+    double dots[2] = {0.0, 0.0};
+    for (uint32_t i = 0; i < 12; i++) {
+        const pm__spec spec = policed_spec(policies_of[i % 2]);
+        const size_t stored = wanted[i / 2 % 2];
+        const pm__storing_config config = {.scene = p.scene, .kind = PM__GLOBAL_MAP, .policy = &spec,
+                                           .importance = p.importance, .seed = 5, .trial = i / 4,
+                                           .emitted = 64 * (uint64_t)stored, .stored = stored};
+        pm__stored_photons set = policed_run(&config);
+        ck_assert_msg(set.count <= stored && set.count + stored / 20 >= stored, "%zu of %zu", set.count, stored);
+        PM_CHECK_NEAR(set.flux[PM__EVERYWHERE], set.came[PM__EVERYWHERE], 1e-6 * set.came[PM__EVERYWHERE]);
+        PM_CHECK_NEAR(set.flux[PM__IMPORTANT], set.came[PM__IMPORTANT], 1e-6 * set.came[PM__IMPORTANT]);
+        dots[i % 2] = fmax(dots[i % 2], spread_of(&p, &set));
+        pm__stored_photons_free(&set);
+    }
+    ck_assert_msg(dots[0] < 4.0 && dots[1] > 8.0, "%g, %g", dots[0], dots[1]);
+    policed_free(&p);
+}
+END_TEST
+
+/* Nor is any light lost on average where paths are taken back for parts, everywhere or where it matters, be there many
+ * parts or one path to a few photons. */
+START_TEST(test_flux_of_so_many_with_parts)
+{
+    static const size_t wanted[] = {25, 400};
+    const char *const policy = "emission:strata=256,tests=4,ratio=64";
+    for (int of_room = 0; of_room < 2; of_room++) {
+        policed p = of_room ? policed_room() : policed_floor(1.0);
+        pm__moments even[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
+        measure(&p, "all", PM__GLOBAL_MAP, SIZE_MAX, 40, even);
+        for (int w = 0; w < 2; w++) {
+            const pm__spec spec = policed_spec(policy);
+            pm__moments flux[PM__PARTS] = {{0.0, 0.0, 0}, {0.0, 0.0, 0}};
+            for (uint32_t trial = 0; trial < 1000; trial++) {
+                const pm__storing_config config = {.scene = p.scene, .kind = PM__GLOBAL_MAP, .policy = &spec,
+                                                   .importance = p.importance, .seed = 22, .trial = trial,
+                                                   .emitted = 64 * wanted[w], .stored = wanted[w]};
+                pm__stored_photons set = policed_run(&config);
+                for (int k = 0; k < PM__PARTS; k++)
+                    pm__moments_add(&flux[k], set.flux[k]);
+                pm__stored_photons_free(&set);
+            }
+            for (int k = 0; k < PM__PARTS; k++)
+                check_alike(of_room ? "room" : "floor", &flux[k], &even[k]);
+        }
+        policed_free(&p);
+    }
+}
+END_TEST
+
 /* The greatest of the powers over the least. */
 static double range_of(const pm__stored_photons *set)
 {
@@ -260,4 +316,4 @@ END_TEST
 
 PM_TEST_MAIN("policies", test_flux_of_a_floor, test_flux_of_a_room, test_flux_of_so_many_stored,
              test_density_and_local_light, test_density_by_importance, test_printed_emission_loses, test_no_dots,
-             test_sent_to_where_it_matters)
+             test_no_dots_of_so_many_stored, test_flux_of_so_many_with_parts, test_sent_to_where_it_matters)

@@ -5,6 +5,7 @@
 #include "../test.h"
 
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -154,7 +155,7 @@ static pm_status estimate_of(const pm_estimator *by, const pm_source *source, co
     pm_estimation got = {{1.0, 1.0, 1.0}, 1.0, 1};
     const pm_status status = pm_estimate(by, source, at, with, &got);
     for (int b = 0; b < 3; b++)
-        ck_assert(!(fabs(got.value[b]) > 0.0));
+        PM_CHECK_NEAR(got.value[b], 0.0, 0.0);
     return status;
 }
 
@@ -169,6 +170,22 @@ static pm_status estimate_without(const pm_query *at, pm_workspace *with)
     const pm_map *const of = map;
     const pm_source source = {.maps = &of, .map_count = 1, .dimensions = 2};
     return estimate_of(disc, &source, at, with);
+}
+
+static void give_nan(void *context, const float incoming[3], const float outgoing[3], float value[3])
+{
+    (void)context;
+    (void)incoming;
+    (void)outgoing;
+    value[0] = value[1] = 1.0f;
+    value[2] = NAN;
+}
+
+static pm_status estimate_with_nan(void)
+{
+    const pm_map *const of = map;
+    const pm_source source = {.maps = &of, .map_count = 1, .dimensions = 2, .brdf = give_nan};
+    return estimate_of(disc, &source, &query, workspace);
 }
 
 static pm_status precompute(const pm_estimator *by, const pm_map *of)
@@ -188,6 +205,12 @@ static pm_status read_photons(const char *path)
     const pm_status status = pm_ply_read_photons(path, &read, NULL, &found, &error);
     ck_assert_ptr_null(read);
     return status;
+}
+
+static pm_status write_nan(void)
+{
+    photons[COUNT - 1].position[1] = NAN;
+    return pm_ply_write_photons("/dev/null", photons, COUNT, &error);
 }
 
 static pm_status read_points(const char *path)
@@ -271,6 +294,7 @@ static const char nan_photon[] =
     X("pm_estimate", "neighbours on a line, of a hull", estimate(hull, lined_up, 1, 2))                              \
     X("pm_estimate", "a query farther than floats can tell", (query.position[0] = 1e30f, estimate(disc, map, 1, 2))) \
     X("pm_estimate", "`precomputed` without stored estimates", estimate(stored, map, 1, 2))                          \
+    X("pm_estimate", "a BRDF that gives NaN", estimate_with_nan())                                                   \
     X("pm_precomputed_create", "no map", precompute(stored, NULL))                                                   \
     X("pm_precomputed_create", "another estimator", precompute(disc, map))                                           \
     X("pm_precomputed_create", "a lookup that is none", (query.k = 0, precompute(stored, map)))                      \
@@ -283,6 +307,9 @@ static const char nan_photon[] =
     X("pm_ply_read_points", "a text that is no PLY", read_text("points\n", read_points))                             \
     X("pm_ply_write_photons", "no path", pm_ply_write_photons(NULL, photons, COUNT, &error))                         \
     X("pm_ply_write_photons", "no photons but a count", pm_ply_write_photons("/dev/null", NULL, COUNT, &error))      \
+    X("pm_ply_write_photons", "more than memory holds",                                                              \
+      pm_ply_write_photons("/dev/null", photons, SIZE_MAX, &error))                                                  \
+    X("pm_ply_write_photons", "a NaN position", write_nan())                                                         \
     X("pm_ply_write_photons", "a folder that is not there",                                                          \
       pm_ply_write_photons("/nowhere/photons.ply", photons, COUNT, &error))
 
@@ -411,6 +438,8 @@ START_TEST(what_may_be_nothing)
     PM_CHECK_NEAR(pm_max_radius_surface(10, INFINITY, INFINITY), 0.0, 0.0);
     PM_CHECK_NEAR(pm_max_radius_volume(10, 1.0, 0.0, 1.0), 0.0, 0.0);
     PM_CHECK_NEAR(pm_max_radius_volume(10, INFINITY, 1.0, INFINITY), 0.0, 0.0);
+    PM_CHECK_NEAR(pm_max_radius_surface(1, DBL_MAX, DBL_TRUE_MIN), DBL_MAX, 0.0);
+    PM_CHECK_NEAR(pm_max_radius_volume(1, DBL_MAX, DBL_TRUE_MIN, DBL_TRUE_MIN), DBL_MAX, 0.0);
 }
 END_TEST
 

@@ -17,16 +17,16 @@ static pm_status keep_all(pm__storage *storage, const pm__arrivals *arrivals, si
 static pm_status keep(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken)
 {
     const size_t before = storage->stock.count;
-    if (storage->config->stored < SIZE_MAX)
-        return pm__keep_but_strays(storage, arrivals, keep_all, taken);
-    const pm_status status = keep_all(storage, arrivals, taken);
+    pm_status status = keep_all(storage, arrivals, taken);
+    if (status == PM_OK)
+        status = pm__note_paths(storage, arrivals, before);
     return status == PM_OK ? pm__note_strays(storage, before) : status;
 }
 
 static pm_status end(pm__storage *storage, bool *unmet)
 {
     (void)unmet;
-    return storage->config->stored < SIZE_MAX ? pm__give_strays(storage) : pm__split_strays(storage);
+    return pm__split_strays(storage);
 }
 
 static const pm__keeping keeping = {.keep = keep, .end = end};

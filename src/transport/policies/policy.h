@@ -22,6 +22,21 @@ typedef struct pm__arrivals {
     uint64_t first;
 } pm__arrivals;
 
+/* What the stock stands for, without trial sets. */
+typedef struct pm__account {
+    uint64_t sent;          /* paths */
+    uint64_t emitted;       /* photons: that of the path before which storing ended, too */
+    size_t arrived;
+    double came[PM__PARTS]; /* in units, as if one were emitted */
+} pm__account;
+
+/* Storing ended before this path, or with the first, which is enough. */
+static inline void pm__account_end(pm__account *account, uint64_t path, bool one_is_enough)
+{
+    account->sent = one_is_enough ? 1 : path;
+    account->emitted = one_is_enough ? 1 : path + 1;
+}
+
 /* A map in the making. */
 typedef struct pm__storage {
     const pm__storing_config *config;
@@ -35,6 +50,7 @@ typedef struct pm__storage {
     double unit;               /* W: the powers of arrivals and of the stock are in it */
     double threshold;          /* 1/m2: from here on a place is important */
     pm__stock stock;
+    pm__account account;
     size_t settled;            /* the first so many of the stock have their power already, in units */
     double settled_came[PM__PARTS]; /* what came of them, in units, and how many */
     size_t settled_arrived;
@@ -56,7 +72,8 @@ typedef struct pm__keeping {
      * how many it took: all of them, or storing has ended. See pm__path_is_first for the one path that is never left
      * out. */
     pm_status (*keep)(pm__storage *storage, const pm__arrivals *arrivals, size_t *taken);
-    /* All have arrived: what is owed is put into the stock. unmet: see storing.h. */
+    /* All have arrived: what is owed is put into the stock. Of so many that are wanted it may take back the last paths,
+     * by the same rule. unmet: see storing.h. */
     pm_status (*end)(pm__storage *storage, bool *unmet);
     void (*release)(pm__storage *storage);
 } pm__keeping;
