@@ -18,11 +18,10 @@ import { figure } from "../figure.js";
 import { frontModel, overall, paretoFront, ranking } from "./accuracy_model.js";
 
 export const rmseIntervals =
-  "95 % intervals over trials (independent photon maps; jackknife, of the logarithm). Probes of one map share " +
-  "photons and are no replicates. A mean over cases has the mean of their intervals in the logarithm, as if " +
-  "all moved " +
-  "together: wide rather than narrow. Intervals that overlap are called a tie. Costs have no interval: they " +
-  "are of this machine.";
+  "95 % intervals over trials (independent photon maps; jackknife, of the logarithm). Probes of one map share photons " +
+  "and are no replicates. A mean over cases has the mean of their intervals in the logarithm, as if all moved " +
+  "together: wide rather than narrow. Intervals that overlap are called a tie. Costs have no interval: they are of " +
+  "this machine. What is shorter than a mark is hidden by it: the table has it.";
 
 export function frontFigure(choices, names) {
   const models = new Map(choices.map((choice) => [choice.value, frontModel(choice.rows, names)]));
@@ -86,7 +85,7 @@ function drawFront(width, entries, pareto, names) {
     { most: width < 480 ? 3 : 6, room: 1.06 },
   );
   const height = Math.max(300, Math.min(430, width * 0.55));
-  const right = Math.min(150, Math.max(118, width * 0.16));
+  const right = width < 480 ? 126 : 150;
   const inside = pareto.filter(
     (entry) => entry.cost <= x.domain[1] && entry.rmse * 100 <= y.domain[1] && entry.cost >= x.domain[0],
   );
