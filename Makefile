@@ -118,6 +118,8 @@ fuzz: ## each fuzzer for FUZZ_SECONDS (3600), with clang's libFuzzer and sanitiz
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all"
 	$(Q)tests/fuzz/run_fuzz.sh $(BUILD)/fuzzing $(FUZZ_SECONDS)
 fuzzers: $(FUZZERS)
+check-report: ## the report's page in headless Chromium (as root installs what that takes)
+	$(Q)tests/page/run.sh $(BUILD)
 check-full: check check-san check-tsan coverage ## all of that, faults at every place, valgrind, every SIMD width
 	$(Q)PM_FULL=1 tests/run.sh $(BUILD) stat faults
 	$(Q)tests/widths.sh $(BUILD)
@@ -244,6 +246,6 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c $(BUILD)/program.a $(BUILD)/libphotonmap.a $(BUI
 
 -include $(LIB_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(MAIN_OBJECT:.o=.d) $(TESTS:=.d) $(FUZZERS:=.d)
 .PHONY: all lib program install uninstall clean demo run-demo bench run-bench report run-report \
-    check check-san check-tsan check-full coverage fuzz fuzzers tests run-tests deps deps-build deps-bench deps-report \
-    help .FORCE
+    check check-san check-tsan check-report check-full coverage fuzz fuzzers tests run-tests \
+    deps deps-build deps-bench deps-report help .FORCE
 .DELETE_ON_ERROR:

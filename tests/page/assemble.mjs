@@ -1,5 +1,5 @@
-// Puts data into the page's template as `photonbench report` does: node assemble.mjs FOLDER OUT.html [--only a.json,b.json]
-// FOLDER holds result files (*.json), images (*.exr) with images.json (what they show), errata.list.json, missing.list.json.
+// Puts data into the page's template as `photonbench report` does: node assemble.mjs FOLDER OUT.html
+// FOLDER holds result files (*.json), images (*.exr) with images.list.json (what they show), and errata.list.json.
 import { readFile, readdir, writeFile } from "node:fs/promises";
 import path from "node:path";
 
@@ -22,8 +22,14 @@ export async function reportOf(folder, { only = null } = {}) {
   const images = await optional(path.join(folder, "images.list.json"), []);
   for (const image of images) image.exr = (await readFile(path.join(folder, image.file))).toString("base64");
   return {
-    schema: "photonbench-report/1", version: "0.1.0", commit: null, date: "2026-11-24T00:00:00Z", files, images,
-    errata: await optional(path.join(folder, "errata.list.json"), []), missing: await optional(path.join(folder, "missing.list.json"), []),
+    schema: "photonbench-report/1",
+    version: "0.1.0",
+    commit: null,
+    date: "2026-11-24T00:00:00Z",
+    files,
+    images,
+    errata: await optional(path.join(folder, "errata.list.json"), []),
+    missing: await optional(path.join(folder, "missing.list.json"), []),
   };
 }
 
@@ -34,7 +40,8 @@ export async function assemble(report, out) {
   const element = `<script type="application/json" id="pm-report">${json.replaceAll("<", "\\u003c")}</script>`;
   const lines = page.split("\n");
   const place = lines.indexOf("<!--PM-DATA-->");
-  if (place < 0 || lines.lastIndexOf("<!--PM-DATA-->") !== place) throw new Error("the template needs one line for the data");
+  if (place < 0 || lines.lastIndexOf("<!--PM-DATA-->") !== place)
+    throw new Error("the template needs one line for the data");
   lines[place] = element;
   await writeFile(out, lines.join("\n"));
 }

@@ -1,14 +1,19 @@
 // The frame of every figure: controls, legend, chart, a sentence that says what it shows, formula, ±, table, CSV.
 // Charts are drawn when they come near the screen, tables when they are opened, so that a large report opens at once.
-import { append, h, select, uniqueId } from "./base/dom.js";
+import { append, h, rich, select, uniqueId } from "./base/dom.js";
 import { symbolIcon } from "./chart/symbols.js";
 import { copyButton, makeCsv, makeTable } from "./table.js";
 
 const waiting = new Map();
-const watcher = typeof IntersectionObserver === "undefined" ? null
-  : new IntersectionObserver((entries) => {
-    for (const entry of entries) if (entry.isIntersecting) drawNow(entry.target);
-  }, { rootMargin: "600px" });
+const watcher =
+  typeof IntersectionObserver === "undefined"
+    ? null
+    : new IntersectionObserver(
+        (entries) => {
+          for (const entry of entries) if (entry.isIntersecting) drawNow(entry.target);
+        },
+        { rootMargin: "600px" },
+      );
 
 function drawNow(element) {
   const draw = waiting.get(element);
@@ -47,18 +52,20 @@ export function figure(spec) {
       place.replaceChildren(h("p.missing", {}, `This figure cannot be drawn from these data: ${error.message}`));
     }
   };
-  const drawChart = () => guarded(() => {
-    summary.textContent = spec.summary(state);
-    if (!spec.draw) return;
-    width = chart.clientWidth || 640;
-    const parts = spec.draw(Math.max(240, width), state);
-    chart.replaceChildren(...parts.map((part) => panel(part, summary.textContent)));
-    if (!parts.length) chart.append(h("p.missing", {}, "No values to draw in this choice."));
-    frame.dataset.drawn = "yes";
-  }, chart);
-  const drawTable = () => guarded(() => {
-    tablePlace.replaceChildren(makeTable(columns(), spec.rows(state), spec.title));
-  }, tablePlace);
+  const drawChart = () =>
+    guarded(() => {
+      summary.replaceChildren(...rich(spec.summary(state)));
+      if (!spec.draw) return;
+      width = chart.clientWidth || 640;
+      const parts = spec.draw(Math.max(240, width), state);
+      chart.replaceChildren(...parts.map((part) => panel(part, summary.textContent)));
+      if (!parts.length) chart.append(h("p.missing", {}, "No values to draw in this choice."));
+      frame.dataset.drawn = "yes";
+    }, chart);
+  const drawTable = () =>
+    guarded(() => {
+      tablePlace.replaceChildren(makeTable(columns(), spec.rows(state), spec.title));
+    }, tablePlace);
   const drawLegend = () => {
     const items = spec.legend ? spec.legend(state) : [];
     legend.hidden = items.length < 2;
@@ -66,23 +73,35 @@ export function figure(spec) {
   };
   const update = () => {
     drawLegend();
-    if (waiting.has(chart)) return;
-    drawChart();
+    if (!waiting.has(chart)) drawChart();
     if (details.open) drawTable();
   };
 
   append(frame, [
-    h("h3", { id: `${spec.id}-title` }, spec.title),
-    spec.controls?.length ? h("div.controls", {}, spec.controls.filter((control) => control.options.length > 1)
-      .map((control) => select(control.label, control.options, control.value, (value) => {
-        state[control.key] = value;
-        update();
-      }))) : null,
+    h(`${spec.heading ?? "h3"}.figure-title`, { id: `${spec.id}-title` }, rich(spec.title)),
+    spec.controls?.length
+      ? h(
+          "div.controls",
+          {},
+          spec.controls
+            .filter((control) => control.options.length > 1)
+            .map((control) =>
+              select(control.label, control.options, control.value, (value) => {
+                state[control.key] = value;
+                update();
+              }),
+            ),
+        )
+      : null,
     legend,
     spec.draw ? chart : null,
-    h("figcaption", {}, summary,
-      h("p.formula", {}, h("b", {}, "Shown: "), spec.formula),
-      spec.plusminus ? h("p.plusminus", {}, h("b", {}, "±: "), spec.plusminus) : null),
+    h(
+      "figcaption",
+      {},
+      summary,
+      h("p.formula", {}, h("b", {}, "Shown: "), rich(spec.formula)),
+      spec.plusminus ? h("p.plusminus", {}, h("b", {}, "±: "), rich(spec.plusminus)) : null,
+    ),
     details,
     copyButton(() => makeCsv(columns(), spec.rows(state)), spec.title),
   ]);
@@ -117,8 +136,12 @@ function panel(part, summary) {
 }
 
 function legendButton(item, state, redraw) {
-  const button = h("button", { type: "button", "aria-pressed": String(!state.hidden.has(item.name)) },
-    symbolIcon(item.index), item.label);
+  const button = h(
+    "button",
+    { type: "button", "aria-pressed": String(!state.hidden.has(item.name)) },
+    symbolIcon(item.index),
+    item.label,
+  );
   button.addEventListener("click", () => {
     const hide = !state.hidden.has(item.name);
     state.hidden[hide ? "add" : "delete"](item.name);
@@ -130,5 +153,11 @@ function legendButton(item, state, redraw) {
 
 /** Says what is not there, and the command that makes it. */
 export function missing(what, how) {
-  return h("p.missing", { role: "note" }, h("b", {}, "Missing: "), what, how ? [". To make it: ", h("code", {}, how)] : "");
+  return h(
+    "p.missing",
+    { role: "note" },
+    h("b", {}, "Missing: "),
+    rich(what),
+    how ? [". To make it: ", h("code", {}, how)] : "",
+  );
 }

@@ -1,5 +1,5 @@
 // Tables of values: shown rounded, with the value itself in data-value; and the same as CSV.
-import { h } from "./base/dom.js";
+import { h, rich } from "./base/dom.js";
 import { isInterval, none, significant } from "./base/format.js";
 
 /** columns: [{key, label, format?, value?}]; value(row) is the raw value, row[key] if absent. */
@@ -10,7 +10,7 @@ function shown(column, value, row) {
   if (typeof value === "number") return significant(value, 4);
   if (isInterval(value)) return `[${significant(value[0])}, ${significant(value[1])}]`;
   if (typeof value === "boolean") return value ? "yes" : "no";
-  return value === null || value === undefined || value === "" ? none : String(value);
+  return value === null || value === undefined || value === "" ? none : rich(value);
 }
 
 const isNumeric = (value) => typeof value === "number" || isInterval(value);
@@ -18,18 +18,45 @@ const most = 3000; // more rows are in the CSV: a table of more slows a browser 
 
 export function makeTable(columns, rows, caption) {
   const body = rows.slice(0, most).map((row) =>
-    h("tr", { class: row.highlight ?? null }, columns.map((column, i) => {
-      const value = rawValue(column, row);
-      const attributes = { "data-key": column.key, "data-value": value === undefined ? "null" : JSON.stringify(value) };
-      const kind = i === 0 ? "th" : "td";
-      if (i === 0) attributes.scope = "row";
-      return h(isNumeric(value) ? `${kind}.number` : kind, attributes, shown(column, value, row));
-    })));
-  return h("div.scroll", { tabindex: 0, role: "region", "aria-label": caption },
-    h("table", {},
-      h("caption", {}, caption, rows.length > most ? ` (the first ${most} of ${rows.length} rows; the CSV has all)` : ""),
-      h("thead", {}, h("tr", {}, columns.map((column) => h("th", { scope: "col" }, column.label)))),
-      h("tbody", {}, body)));
+    h(
+      "tr",
+      { class: row.highlight ?? null },
+      columns.map((column, i) => {
+        const value = rawValue(column, row);
+        const attributes = {
+          "data-key": column.key,
+          "data-value": value === undefined ? "null" : JSON.stringify(value),
+        };
+        const kind = i === 0 ? "th" : "td";
+        if (i === 0) attributes.scope = "row";
+        return h(isNumeric(value) ? `${kind}.number` : kind, attributes, shown(column, value, row));
+      }),
+    ),
+  );
+  return h(
+    "div.scroll",
+    { tabindex: 0, role: "region", "aria-label": caption },
+    h(
+      "table",
+      {},
+      h(
+        "caption",
+        {},
+        caption,
+        rows.length > most ? ` (the first ${most} of ${rows.length} rows; the CSV has all)` : "",
+      ),
+      h(
+        "thead",
+        {},
+        h(
+          "tr",
+          {},
+          columns.map((column) => h("th", { scope: "col" }, column.label)),
+        ),
+      ),
+      h("tbody", {}, body),
+    ),
+  );
 }
 
 function csvField(value) {
@@ -45,11 +72,15 @@ export function makeCsv(columns, rows) {
     const name = column.csv ?? column.key;
     return split[i] ? [`${name}_low`, `${name}_high`] : [name];
   });
-  const lines = rows.map((row) => columns.flatMap((column, i) => {
-    const value = rawValue(column, row);
-    if (!split[i]) return [csvField(value)];
-    return isInterval(value) ? value.map(csvField) : ["", ""];
-  }).join(","));
+  const lines = rows.map((row) =>
+    columns
+      .flatMap((column, i) => {
+        const value = rawValue(column, row);
+        if (!split[i]) return [csvField(value)];
+        return isInterval(value) ? value.map(csvField) : ["", ""];
+      })
+      .join(","),
+  );
   return `${[head.join(","), ...lines].join("\n")}\n`;
 }
 

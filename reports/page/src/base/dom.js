@@ -29,11 +29,22 @@ export function svg(tag, attributes, ...children) {
 
 /** A <select> with its label. options: [{value, label}] or plain values; onchange gets the chosen value itself. */
 export function select(label, options, value, onchange) {
-  const items = options.map((option) => (option && typeof option === "object" ? option : { value: option, label: option }));
-  const list = h("select", { "aria-label": label, onchange: () => onchange(items[list.selectedIndex].value) },
-    items.map((item) => h("option", { selected: item.value === value }, String(item.label))));
+  const items = options.map((option) =>
+    option && typeof option === "object" ? option : { value: option, label: option },
+  );
+  const list = h(
+    "select",
+    { "aria-label": label, onchange: () => onchange(items[list.selectedIndex].value) },
+    items.map((item) => h("option", { selected: item.value === value }, String(item.label))),
+  );
   return h("label.control", {}, h("span", {}, label), list);
 }
+
+/** Text in which `names` between backticks are code. */
+export const rich = (text) =>
+  String(text)
+    .split("`")
+    .map((part, i) => (i % 2 ? h("code", {}, part) : part));
 
 let serial = 0;
 export const uniqueId = (prefix) => `${prefix}-${++serial}`;

@@ -18,21 +18,31 @@ export function significant(value, digits = 3) {
 /** A whole number with its thousands apart. */
 export function group(value) {
   if (!isNumber(value)) return none;
-  return Math.round(value).toString().replace("-", "−").replace(/\B(?=(\d{3})+(?!\d))/g, ",");
+  return Math.round(value)
+    .toString()
+    .replace("-", "−")
+    .replace(/\B(?=(\d{3})+(?!\d))/g, ",");
 }
+
+/** For axes: no zeros at the end. */
+export const tick = (value, digits = 2) => {
+  const text = significant(value, digits);
+  return text.includes(".") ? text.replace(/\.?0+(?=$|e)/, "") : text;
+};
 
 export const percent = (value) => (isNumber(value) ? `${significant(100 * value)} %` : none);
 export const signedPercent = (value) => (isNumber(value) && value > 0 ? "+" : "") + percent(value);
 export const times = (value) => (isNumber(value) ? `${significant(value)}×` : none);
 
-export function seconds(value) {
+export function seconds(value, format = significant) {
   if (!isNumber(value)) return none;
   const size = Math.abs(value);
+  const show = (scaled, unit) => `${typeof format === "function" ? format(scaled) : significant(scaled)} ${unit}`;
   if (size === 0) return "0 s";
-  if (size < 0.9995e-6) return `${significant(value * 1e9)} ns`;
-  if (size < 0.9995e-3) return `${significant(value * 1e6)} µs`;
-  if (size < 0.9995) return `${significant(value * 1e3)} ms`;
-  return `${significant(value)} s`;
+  if (size < 0.9995e-6) return show(value * 1e9, "ns");
+  if (size < 0.9995e-3) return show(value * 1e6, "µs");
+  if (size < 0.9995) return show(value * 1e3, "ms");
+  return show(value, "s");
 }
 export const nanoseconds = (value) => seconds(isNumber(value) ? value * 1e-9 : null);
 export const milliseconds = (value) => seconds(isNumber(value) ? value * 1e-3 : null);

@@ -4,7 +4,8 @@
 export function parse(name) {
   const parts = String(name).split(":");
   const last = parts[parts.length - 1];
-  if (parts.length > 1 && last.includes("=")) return { base: parts.slice(0, -1).join(":"), parameters: last.split(",") };
+  if (parts.length > 1 && last.includes("="))
+    return { base: parts.slice(0, -1).join(":"), parameters: last.split(",") };
   return { base: parts.join(":"), parameters: [] };
 }
 
@@ -36,7 +37,7 @@ export class Names {
   }
 
   short(name) {
-    return name === null || name === undefined ? "–" : this.map.get(name) ?? String(name);
+    return name === null || name === undefined ? "–" : (this.map.get(name) ?? String(name));
   }
 
   index(name) {

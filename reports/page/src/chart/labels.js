@@ -11,12 +11,17 @@ export function edgeLabels(chart, marks, { left, top, bottom, gap = 15 }) {
     places[places.length - 1] -= over;
     for (let i = places.length - 2; i >= 0; i--) places[i] = Math.min(places[i], places[i + 1] - gap);
   }
-  const layer = svg("g", { "font-size": 12 });
+  const layer = svg("g", { "font-size": 12, "text-anchor": "start" });
   sorted.forEach((mark, i) => {
     layer.append(
-      svg("path", { d: `M${mark.x + 6},${mark.y}L${left - 14},${places[i]}H${left - 4}`, fill: "none", stroke: mark.colour,
-        "stroke-opacity": 0.55 }),
-      svg("text", { x: left, y: places[i], dy: "0.32em", fill: "var(--ink)" }, mark.text));
+      svg("path", {
+        d: `M${mark.x + 6},${mark.y}L${left - 14},${places[i]}H${left - 4}`,
+        fill: "none",
+        stroke: mark.colour,
+        "stroke-opacity": 0.55,
+      }),
+      svg("text", { x: left, y: places[i], dy: "0.32em", fill: "var(--ink)" }, mark.text),
+    );
   });
   chart.append(layer);
 }

@@ -1,6 +1,6 @@
 // What all charts share: axes with units, whiskers, colours that follow dark mode, sizes that fit a telephone.
 import * as Plot from "@observablehq/plot";
-import { isInterval, isNumber, seconds, significant } from "../base/format.js";
+import { isInterval, isNumber, seconds, tick } from "../base/format.js";
 
 export { Plot };
 
@@ -21,12 +21,19 @@ export function logTicks(low, high, most = 8) {
 }
 
 /** A logarithmic axis that holds all values above 0, with a little room. */
-export function logAxis(label, values, { format = (v) => significant(v, 2), most = 7, room = 1.12 } = {}) {
+export function logAxis(label, values, { format = (v) => tick(v), most = 7, room = 1.12 } = {}) {
   const positive = values.filter((v) => isNumber(v) && v > 0);
   if (!positive.length) return { label, type: "linear", domain: [0, 1] };
   const low = Math.min(...positive) / room;
   const high = Math.max(...positive) * room;
-  return { label, type: "log", domain: [low, high], ticks: logTicks(low, high, most), tickFormat: format, labelArrow: "none" };
+  return {
+    label,
+    type: "log",
+    domain: [low, high],
+    ticks: logTicks(low, high, most),
+    tickFormat: format,
+    labelArrow: "none",
+  };
 }
 
 export function linearAxis(label, values, { zero = true, format = undefined, room = 0.05 } = {}) {
@@ -36,10 +43,16 @@ export function linearAxis(label, values, { zero = true, format = undefined, roo
   const low = Math.min(...known);
   const high = Math.max(...known);
   const pad = (high - low || Math.abs(high) || 1) * room;
-  return { label, domain: [low - pad, high + pad], tickFormat: format, labelArrow: "none" };
+  return {
+    label,
+    domain: [low === 0 ? 0 : low - pad, high === 0 ? 0 : high + pad],
+    tickFormat: format,
+    labelArrow: "none",
+  };
 }
 
-export const timeAxis = (label, values, options) => logAxis(label, values, { format: (v) => seconds(v), most: 5, ...options });
+export const timeAxis = (label, values, options) =>
+  logAxis(label, values, { format: (v) => seconds(v, tick), most: 5, ...options });
 
 /** Ends of intervals for whiskers; on a logarithmic axis an end at or below 0 goes to the axis' beginning. */
 export function ends(value, axis, scale = 1) {
@@ -47,6 +60,12 @@ export function ends(value, axis, scale = 1) {
   const clip = (v) => Math.min(Math.max(v * scale, axis.domain[0]), axis.domain[1]);
   return [clip(value[0]), clip(value[1])];
 }
+
+/** Lines where the axis has its ticks. */
+const grid = (mark, axis) =>
+  axis?.type === "band"
+    ? null
+    : mark({ stroke: "var(--grid)", strokeOpacity: 1, ...(axis?.ticks === undefined ? {} : { ticks: axis.ticks }) });
 
 export function plot(width, options) {
   const narrow = width < 480;
@@ -58,10 +77,15 @@ export function plot(width, options) {
     marginRight: 16,
     color: { type: "identity" },
     symbol: { type: "identity" },
-    style: { background: "transparent", color: "var(--ink)", fontFamily: "inherit", fontSize: "12px", overflow: "visible" },
+    style: {
+      background: "transparent",
+      color: "var(--ink)",
+      fontFamily: "inherit",
+      fontSize: "12px",
+      overflow: "visible",
+    },
     ...options,
-    marks: [Plot.gridX({ stroke: "var(--grid)", strokeOpacity: 1 }), Plot.gridY({ stroke: "var(--grid)", strokeOpacity: 1 }),
-      ...options.marks],
+    marks: [grid(Plot.gridX, options.x), grid(Plot.gridY, options.y), ...options.marks],
   });
 }
 

@@ -14,7 +14,8 @@ const triangleDown = {
 const hexagon = {
   draw(context, size) {
     const r = Math.sqrt(size / 2.598);
-    for (let i = 0; i < 6; i++) context[i ? "lineTo" : "moveTo"](r * Math.cos((i * Math.PI) / 3), r * Math.sin((i * Math.PI) / 3));
+    for (let i = 0; i < 6; i++)
+      context[i ? "lineTo" : "moveTo"](r * Math.cos((i * Math.PI) / 3), r * Math.sin((i * Math.PI) / 3));
     context.closePath();
   },
 };
@@ -41,8 +42,20 @@ const bowtie = {
   },
 };
 
-const symbols = [symbolCircle, symbolSquare, symbolTriangle, symbolDiamond, triangleDown, symbolStar, symbolCross, hexagon,
-  symbolWye, bar, post, bowtie];
+const symbols = [
+  symbolCircle,
+  symbolSquare,
+  symbolTriangle,
+  symbolDiamond,
+  triangleDown,
+  symbolStar,
+  symbolCross,
+  hexagon,
+  symbolWye,
+  bar,
+  post,
+  bowtie,
+];
 const colours = 11;
 
 /** Style of the index-th name: colour as a CSS variable (it follows dark mode), symbol for Plot. */
@@ -54,19 +67,28 @@ export function style(index) {
 /** Path data of a symbol, for legends. */
 export function symbolPath(symbol, size) {
   let path = "";
-  const put = (command) => (...numbers) => (path += command + numbers.map((n) => n.toFixed(2)).join(","));
-  symbol.draw({
-    moveTo: put("M"),
-    lineTo: put("L"),
-    closePath: () => (path += "Z"),
-    rect: (x, y, w, h) => (path += `M${x},${y}h${w}v${h}h${-w}Z`),
-    arc: (x, y, r) => (path += `M${x + r},${y}A${r},${r} 0 1 1 ${x - r},${y}A${r},${r} 0 1 1 ${x + r},${y}Z`),
-  }, size);
+  const put =
+    (command) =>
+    (...numbers) =>
+      (path += command + numbers.map((n) => n.toFixed(2)).join(","));
+  symbol.draw(
+    {
+      moveTo: put("M"),
+      lineTo: put("L"),
+      closePath: () => (path += "Z"),
+      rect: (x, y, w, h) => (path += `M${x},${y}h${w}v${h}h${-w}Z`),
+      arc: (x, y, r) => (path += `M${x + r},${y}A${r},${r} 0 1 1 ${x - r},${y}A${r},${r} 0 1 1 ${x + r},${y}Z`),
+    },
+    size,
+  );
   return path;
 }
 
 export function symbolIcon(index) {
   const { colour, symbol } = style(index);
-  return svg("svg", { viewBox: "-8 -8 16 16", width: 16, height: 16, "aria-hidden": "true" },
-    svg("path", { d: symbolPath(symbol, 64), fill: colour }));
+  return svg(
+    "svg",
+    { viewBox: "-8 -8 16 16", width: 16, height: 16, "aria-hidden": "true" },
+    svg("path", { d: symbolPath(symbol, 64), fill: colour }),
+  );
 }

@@ -1,10 +1,22 @@
 // From numbers to colours: radiance on a screen, logarithmic false colour, and diverging colours for signed values.
 import { interpolateViridis, rgb } from "d3";
-import { percent, significant } from "../base/format.js";
+import { tick } from "../base/format.js";
 import { scalarAt } from "./scenes.js";
 
 const table = (pick) => Uint8Array.from({ length: 256 * 3 }, (_, i) => pick(Math.floor(i / 3) / 255)[i % 3]);
-const stops = [[5, 48, 97], [33, 102, 172], [67, 147, 195], [146, 197, 222], [209, 229, 240], [247, 247, 247], [253, 219, 199], [244, 165, 130], [214, 96, 77], [178, 24, 43], [103, 0, 31]];
+const stops = [
+  [5, 48, 97],
+  [33, 102, 172],
+  [67, 147, 195],
+  [146, 197, 222],
+  [209, 229, 240],
+  [247, 247, 247],
+  [253, 219, 199],
+  [244, 165, 130],
+  [214, 96, 77],
+  [178, 24, 43],
+  [103, 0, 31],
+];
 const diverging = table((t) => {
   const at = Math.min(stops.length - 2, Math.floor(t * (stops.length - 1)));
   const f = t * (stops.length - 1) - at;
@@ -22,7 +34,10 @@ const srgb = Uint8Array.from({ length: 4097 }, (_, i) => {
 });
 const screen = (value) => srgb[Math.max(0, Math.min(4096, Math.round(value * 4096)))];
 
-/** What a view looks like: {kind: "screen"|"log"|"linear"|"signed", most}. settings: {exposure, falseColour, white, signed}. */
+/**
+ * What a view looks like: {kind: "screen"|"log"|"linear"|"signed", most}.
+ * settings: {exposure, falseColour, white, signed}.
+ */
 export function scaleOf(view, settings) {
   const gain = 2 ** settings.exposure;
   if (view.show === "signed") return { kind: "signed", most: settings.signed / gain, unit: "of mean truth" };
@@ -53,10 +68,11 @@ export function paint(view, settings) {
     const value = scalarAt(view, i);
     image.data[to + 3] = 255;
     if (!Number.isFinite(value)) {
-      const grey = ((i % width >> 2) + (Math.floor(i / width) >> 2)) % 2 ? 110 : 140;
+      const grey = (((i % width) >> 2) + (Math.floor(i / width) >> 2)) % 2 ? 110 : 140;
       image.data[to] = image.data[to + 1] = image.data[to + 2] = grey;
     } else if (scale.kind === "screen") {
-      for (let c = 0; c < 3; c++) image.data[to + c] = screen(data[channels * i + (channels === 3 ? c : 0)] / scale.most);
+      for (let c = 0; c < 3; c++)
+        image.data[to + c] = screen(data[channels * i + (channels === 3 ? c : 0)] / scale.most);
     } else {
       const from = 3 * colourIndex(scale, value);
       for (let c = 0; c < 3; c++) image.data[to + c] = colours[from + c];
@@ -68,9 +84,14 @@ export function paint(view, settings) {
 /** Ticks of a scale: [{at: 0..1, text}]. */
 export function scaleTicks(scale) {
   const { most } = scale;
-  if (scale.kind === "signed") return [-1, -0.5, 0, 0.5, 1].map((t) => ({ at: (t + 1) / 2, text: (t > 0 ? "+" : "") + percent(t * most) }));
-  if (scale.kind === "log") return [0, 1, 2, 3].map((d) => ({ at: d / decades, text: significant(most * 10 ** (d - decades), 2) }));
-  const text = scale.unit === "of mean truth" ? percent : (v) => significant(v, 2);
+  if (scale.kind === "signed")
+    return [-1, -0.5, 0, 0.5, 1].map((t) => ({
+      at: (t + 1) / 2,
+      text: `${t > 0 ? "+" : ""}${tick(100 * t * most)} %`,
+    }));
+  if (scale.kind === "log")
+    return [0, 1, 2, 3].map((d) => ({ at: d / decades, text: tick(most * 10 ** (d - decades)) }));
+  const text = scale.unit === "of mean truth" ? (v) => `${tick(100 * v)} %` : (v) => tick(v);
   return [0, 0.5, 1].map((t) => ({ at: t, text: text(t * most) }));
 }
 
@@ -81,7 +102,10 @@ export function paintScale(canvas, scale) {
     const i = 3 * Math.round(255 * t);
     const colours = scale.kind === "signed" ? diverging : sequential;
     const level = screen(t);
-    context.fillStyle = scale.kind === "screen" ? `rgb(${level},${level},${level})` : `rgb(${colours[i]},${colours[i + 1]},${colours[i + 2]})`;
+    context.fillStyle =
+      scale.kind === "screen"
+        ? `rgb(${level},${level},${level})`
+        : `rgb(${colours[i]},${colours[i + 1]},${colours[i + 2]})`;
     context.fillRect(x, 0, 1, canvas.height);
   }
 }

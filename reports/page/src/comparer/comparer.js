@@ -13,7 +13,9 @@ import { Stage } from "./stage.js";
 
 export function comparerSection(report) {
   const scenes = scenesOf(report.images);
-  const how = "photonbench render cornell --size 128x128 --estimator disc,cone,hull --aov --half -o cornell.exr && photonbench report … cornell*.exr -o report";
+  const how =
+    "photonbench render cornell --size 128x128 --estimator disc,cone,hull --aov --half -o cornell.exr && " +
+    "photonbench report … cornell*.exr -o report";
   if (!scenes.length) return [missing("images: none were given to the report", how)];
   return [new Comparer(scenes, report.names.scene).element, errorFigure(scenes, report.names.scene)];
 }
@@ -43,11 +45,14 @@ class Comparer {
   openWhenNear() {
     const open = () => this.open(this.scenes[0]);
     if (typeof IntersectionObserver === "undefined") return open();
-    const watcher = new IntersectionObserver((entries) => {
-      if (!entries.some((entry) => entry.isIntersecting)) return;
-      watcher.disconnect();
-      open();
-    }, { rootMargin: "400px" });
+    const watcher = new IntersectionObserver(
+      (entries) => {
+        if (!entries.some((entry) => entry.isIntersecting)) return;
+        watcher.disconnect();
+        open();
+      },
+      { rootMargin: "400px" },
+    );
     return watcher.observe(this.element);
   }
 
@@ -79,7 +84,10 @@ class Comparer {
     this.turnTo(this.views[(at + by + this.views.length) % this.views.length]);
   }
   toggleError() {
-    const to = this.current?.kind === "error" ? this.current.of : this.views.find((view) => view.kind === "error" && view.of === this.current);
+    const to =
+      this.current?.kind === "error"
+        ? this.current.of
+        : this.views.find((view) => view.kind === "error" && view.of === this.current);
     if (to) this.turnTo(to);
     else this.say("There is no signed error of this view");
   }
@@ -116,7 +124,10 @@ class Comparer {
   moveCursor([dx, dy]) {
     const { width, height } = this.stage.size;
     const from = this.cursor ?? { x: Math.floor(this.stage.x), y: Math.floor(this.stage.y) };
-    this.cursor = { x: Math.max(0, Math.min(width - 1, from.x + dx)), y: Math.max(0, Math.min(height - 1, from.y + dy)) };
+    this.cursor = {
+      x: Math.max(0, Math.min(width - 1, from.x + dx)),
+      y: Math.max(0, Math.min(height - 1, from.y + dy)),
+    };
     this.follow();
     this.refresh(false);
     this.say(spoken(readings(this.views, this.current, this.cursor), this.cursor));
@@ -124,8 +135,12 @@ class Comparer {
   /** The part that is shown goes with the cursor. */
   follow() {
     const half = { x: this.stage.size.width / this.stage.zoom / 2, y: this.stage.size.height / this.stage.zoom / 2 };
-    const beyond = (at, middle, reach) => (at < middle - reach ? at - middle + reach : at > middle + reach ? at - middle - reach : 0);
-    this.stage.pan(beyond(this.cursor.x + 0.5, this.stage.x, half.x * 0.9), beyond(this.cursor.y + 0.5, this.stage.y, half.y * 0.9));
+    const beyond = (at, middle, reach) =>
+      at < middle - reach ? at - middle + reach : at > middle + reach ? at - middle - reach : 0;
+    this.stage.pan(
+      beyond(this.cursor.x + 0.5, this.stage.x, half.x * 0.9),
+      beyond(this.cursor.y + 0.5, this.stage.y, half.y * 0.9),
+    );
   }
   expose(by) {
     this.settings.exposure = Math.max(-12, Math.min(12, this.settings.exposure + by));
@@ -172,16 +187,25 @@ class Comparer {
     showTools(this);
     panel.problems.textContent = this.problems.length ? `Missing here: ${this.problems.join("; ")}.` : "";
     if (!current) return this.say("There is nothing to show of this scene");
-    const same = this.other && this.other.pixels.width === current.pixels.width && this.other.pixels.height === current.pixels.height;
+    const same =
+      this.other &&
+      this.other.pixels.width === current.pixels.width &&
+      this.other.pixels.height === current.pixels.height;
     const split = this.wipe && same;
-    const layers = split ? [{ bitmap: this.bitmapOf(current), from: 0, to: this.wipeAt }, { bitmap: this.bitmapOf(this.other), from: this.wipeAt, to: 1 }]
+    const layers = split
+      ? [
+          { bitmap: this.bitmapOf(current), from: 0, to: this.wipeAt },
+          { bitmap: this.bitmapOf(this.other), from: this.wipeAt, to: 1 },
+        ]
       : [{ bitmap: this.bitmapOf(current), from: 0, to: 1 }];
     this.stage.draw(layers, this.cursor, split ? this.wipeAt : null);
     panel.canvas.setAttribute("aria-label", this.describe(split));
     showScale(panel, scaleOf(current, this.settings));
     panel.readout.replaceChildren(...readoutTable(readings(this.views, current, this.cursor), this.cursor));
     panel.crops.hidden = !this.crops;
-    panel.crops.replaceChildren(...(this.crops ? cropStrip(this.views, this.cursor, (view) => this.bitmapOf(view)) : []));
+    panel.crops.replaceChildren(
+      ...(this.crops ? cropStrip(this.views, this.cursor, (view) => this.bitmapOf(view)) : []),
+    );
     this.mirror(split);
     if (announce) this.say(this.describe(split));
     return undefined;
@@ -190,16 +214,30 @@ class Comparer {
   describe(split) {
     const { current } = this;
     const error = current.kind === "error" ? current.pixels : current.error;
-    const numbers = error && Number.isFinite(error.rms) ? `; RMS error ${percent(error.rms)}, mean ${percent(error.mean)} of the mean truth` : "";
-    return `${this.names.short(this.scene.scene)}: ${current.label}${numbers}${split ? `; to the right of the line ${this.other.label}` : ""}`;
+    const numbers =
+      error && Number.isFinite(error.rms)
+        ? `; RMS error ${percent(error.rms)}, mean ${percent(error.mean)} of the mean truth`
+        : "";
+    const right = split ? `; to the right of the line ${this.other.label}` : "";
+    return `${this.names.short(this.scene.scene)}: ${current.label}${numbers}${right}`;
   }
 
   /** What is shown, for whoever wants to read it from outside: styles and tests. */
   mirror(split) {
     Object.assign(this.element.dataset, {
-      scene: this.scene.scene ?? "", view: this.current.label, kind: this.current.kind, other: split ? this.other.label : "", wipe: String(split), wipeAt: this.wipeAt.toFixed(3),
-      zoom: String(this.stage.zoom), x: this.stage.x.toFixed(2), y: this.stage.y.toFixed(2), exposure: String(this.settings.exposure), falseColour: String(this.settings.falseColour),
-      crops: String(this.crops), cursor: this.cursor ? `${this.cursor.x},${this.cursor.y}` : "",
+      scene: this.scene.scene ?? "",
+      view: this.current.label,
+      kind: this.current.kind,
+      other: split ? this.other.label : "",
+      wipe: String(split),
+      wipeAt: this.wipeAt.toFixed(3),
+      zoom: String(this.stage.zoom),
+      x: this.stage.x.toFixed(2),
+      y: this.stage.y.toFixed(2),
+      exposure: String(this.settings.exposure),
+      falseColour: String(this.settings.falseColour),
+      crops: String(this.crops),
+      cursor: this.cursor ? `${this.cursor.x},${this.cursor.y}` : "",
     });
   }
 
@@ -218,14 +256,20 @@ class Comparer {
       event.preventDefault();
       this[action[0]](action[1]);
     });
-    canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !root.contains(document.activeElement)) return; // the page scrolls until the comparer is entered
-      event.preventDefault();
-      this.stage.zoomBy(event.deltaY < 0 ? 1.25 : 0.8, this.stage.toImage(event.clientX, event.clientY));
-      this.refresh(false);
-    }, { passive: false });
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        // The page scrolls until the comparer is entered.
+        if (!event.ctrlKey && !root.contains(document.activeElement)) return;
+        event.preventDefault();
+        this.stage.zoomBy(event.deltaY < 0 ? 1.25 : 0.8, this.stage.toImage(event.clientX, event.clientY));
+        this.refresh(false);
+      },
+      { passive: false },
+    );
     this.listenPointer(canvas);
-    if (typeof ResizeObserver !== "undefined") new ResizeObserver(() => this.current && this.refresh(false)).observe(canvas);
+    if (typeof ResizeObserver !== "undefined")
+      new ResizeObserver(() => this.current && this.refresh(false)).observe(canvas);
   }
 
   listenPointer(canvas) {
@@ -233,7 +277,10 @@ class Comparer {
     const place = (event) => {
       const { x, y } = this.stage.toImage(event.clientX, event.clientY);
       const { width, height } = this.stage.size;
-      this.cursor = { x: Math.max(0, Math.min(width - 1, Math.floor(x))), y: Math.max(0, Math.min(height - 1, Math.floor(y))) };
+      this.cursor = {
+        x: Math.max(0, Math.min(width - 1, Math.floor(x))),
+        y: Math.max(0, Math.min(height - 1, Math.floor(y))),
+      };
     };
     const share = (event) => {
       const box = canvas.getBoundingClientRect();

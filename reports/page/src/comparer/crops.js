@@ -8,7 +8,12 @@ const across = 25;
 /** Figures of every view about the cursor (or the middle). bitmapOf(view) is its picture as it is shown now. */
 export function cropStrip(views, cursor, bitmapOf) {
   return views.map((view, i) => {
-    const canvas = h("canvas", { width: across * 6, height: across * 6, role: "img", "aria-label": `Crop of ${view.label}` });
+    const canvas = h("canvas", {
+      width: across * 6,
+      height: across * 6,
+      role: "img",
+      "aria-label": `Crop of ${view.label}`,
+    });
     const { width, height } = view.pixels;
     const at = cursor ?? { x: width >> 1, y: height >> 1 };
     const left = Math.max(0, Math.min(width - across, at.x - (across >> 1)));
@@ -16,7 +21,12 @@ export function cropStrip(views, cursor, bitmapOf) {
     const context = canvas.getContext("2d");
     context.imageSmoothingEnabled = false;
     context.drawImage(bitmapOf(view), left, top, across, across, 0, 0, canvas.width, canvas.height);
-    return h("figure.crop", {}, canvas, h("figcaption", {}, `${i + 1}. ${view.label}`, h("br"), meanText(view, left, top)));
+    return h(
+      "figure.crop",
+      {},
+      canvas,
+      h("figcaption", {}, `${i + 1}. ${view.label}`, h("br"), meanText(view, left, top)),
+    );
   });
 }
 

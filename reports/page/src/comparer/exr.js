@@ -26,9 +26,19 @@ class Reader {
     this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     this.at = 0;
   }
-  byte() { return this.view.getUint8(this.at++); }
-  int() { this.at += 4; return this.view.getInt32(this.at - 4, true); }
-  long() { const low = this.view.getUint32(this.at, true); const high = this.view.getUint32(this.at + 4, true); this.at += 8; return high * 2 ** 32 + low; }
+  byte() {
+    return this.view.getUint8(this.at++);
+  }
+  int() {
+    this.at += 4;
+    return this.view.getInt32(this.at - 4, true);
+  }
+  long() {
+    const low = this.view.getUint32(this.at, true);
+    const high = this.view.getUint32(this.at + 4, true);
+    this.at += 8;
+    return high * 2 ** 32 + low;
+  }
   string() {
     const end = this.bytes.indexOf(0, this.at);
     if (end < 0) throw new Error("EXR: a name does not end");
@@ -73,8 +83,12 @@ function unfilter(data) {
 function copyLine(view, at, channel, width, target, to, step) {
   const table = halfTable();
   for (let x = 0; x < width; x++) {
-    const value = channel.type === 1 ? table[view.getUint16(at + 2 * x, true)]
-      : channel.type === 2 ? view.getFloat32(at + 4 * x, true) : view.getUint32(at + 4 * x, true);
+    const value =
+      channel.type === 1
+        ? table[view.getUint16(at + 2 * x, true)]
+        : channel.type === 2
+          ? view.getFloat32(at + 4 * x, true)
+          : view.getUint32(at + 4 * x, true);
     target[to + step * x] = value;
   }
 }
@@ -88,7 +102,9 @@ export function decodeExr(bytes) {
   const height = bottom - top + 1;
   if (width < 1 || height < 1 || width * height > 1 << 26) throw new Error("EXR: impossible size");
   const names = header.channels.map((channel) => channel.name);
-  const wanted = ["R", "G", "B"].every((name) => names.includes(name)) ? ["R", "G", "B"] : [names.includes("Y") ? "Y" : names[0]];
+  const wanted = ["R", "G", "B"].every((name) => names.includes(name))
+    ? ["R", "G", "B"]
+    : [names.includes("Y") ? "Y" : names[0]];
   const data = new Float32Array(width * height * wanted.length);
   const lineBytes = header.channels.reduce((sum, channel) => sum + bytesOf[channel.type] * width, 0);
   const lines = linesOf[header.compression];
@@ -100,7 +116,8 @@ export function decodeExr(bytes) {
     const count = Math.min(lines, height - y);
     if (y < 0 || count < 1 || offset + 8 + size > bytes.length) throw new Error("EXR: a block lies outside the file");
     const packed = bytes.subarray(offset + 8, offset + 8 + size);
-    const plain = size < lineBytes * count ? unfilter(unzlibSync(packed, { out: new Uint8Array(lineBytes * count) })) : packed;
+    const plain =
+      size < lineBytes * count ? unfilter(unzlibSync(packed, { out: new Uint8Array(lineBytes * count) })) : packed;
     const view = new DataView(plain.buffer, plain.byteOffset, plain.byteLength);
     let at = 0;
     for (let line = 0; line < count; line++)

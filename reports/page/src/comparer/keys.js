@@ -8,10 +8,22 @@ export const keys = [
   { keys: ["w"], show: "w", what: "wipe: two views side by side along a line" },
   { keys: ["x"], show: "x", what: "swap the two views" },
   { keys: ["+", "=", "-"], show: "+ and −", what: "zoom in and out (also the wheel)" },
-  { keys: ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], show: "arrows", what: "pan, once zoomed in (also dragging)" },
+  {
+    keys: ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"],
+    show: "arrows",
+    what: "pan, once zoomed in (also dragging)",
+  },
   { keys: [], show: "Shift + ← →", what: "move the line of the wipe" },
-  { keys: ["i", "j", "k", "l"], show: "i j k l", what: "move the pixel cursor up, left, down, right (with Shift by ten)" },
-  { keys: ["e", "E", "]", "["], show: "e or ], E or [", what: "exposure up, down by half a stop; the range of signed colours follows" },
+  {
+    keys: ["i", "j", "k", "l"],
+    show: "i j k l",
+    what: "move the pixel cursor up, left, down, right (with Shift by ten)",
+  },
+  {
+    keys: ["e", "E", "]", "["],
+    show: "e or ], E or [",
+    what: "exposure up, down by half a stop; the range of signed colours follows",
+  },
   { keys: ["f"], show: "f", what: "false colour with a logarithmic scale" },
   { keys: ["c"], show: "c", what: "crops of all views about the cursor" },
   { keys: ["r"], show: "r", what: "reset zoom, exposure, wipe" },
@@ -29,20 +41,40 @@ export function actionOf(event) {
   const cursor = { i: [0, -1], j: [-1, 0], k: [0, 1], l: [1, 0] }[key.toLowerCase()];
   if (cursor) return ["moveCursor", cursor.map((step) => step * (shiftKey ? 10 : 1))];
   switch (key) {
-    case "t": case "0": return ["showTruth"];
-    case "d": return ["toggleError"];
-    case ".": return ["step", 1];
-    case ",": return ["step", -1];
-    case "w": return ["toggleWipe"];
-    case "x": return ["swap"];
-    case "+": case "=": return ["zoomBy", 2];
-    case "-": case "_": return ["zoomBy", 0.5];
-    case "e": case "]": return ["expose", 0.5];
-    case "E": case "[": return ["expose", -0.5];
-    case "f": return ["toggleFalse"];
-    case "c": return ["toggleCrops"];
-    case "r": return ["reset"];
-    case "?": return ["toggleKeys"];
-    default: return null;
+    case "t":
+    case "0":
+      return ["showTruth"];
+    case "d":
+      return ["toggleError"];
+    case ".":
+      return ["step", 1];
+    case ",":
+      return ["step", -1];
+    case "w":
+      return ["toggleWipe"];
+    case "x":
+      return ["swap"];
+    case "+":
+    case "=":
+      return ["zoomBy", 2];
+    case "-":
+    case "_":
+      return ["zoomBy", 0.5];
+    case "e":
+    case "]":
+      return ["expose", 0.5];
+    case "E":
+    case "[":
+      return ["expose", -0.5];
+    case "f":
+      return ["toggleFalse"];
+    case "c":
+      return ["toggleCrops"];
+    case "r":
+      return ["reset"];
+    case "?":
+      return ["toggleKeys"];
+    default:
+      return null;
   }
 }

@@ -14,38 +14,105 @@ export function buildPanel(comparer, keysId) {
     scale: h("canvas", { width: 256, height: 14, "aria-hidden": "true" }),
     ticks: h("div.ticks", {}),
     scaleTitle: h("p.scale-title", {}),
-    keys: h("div.keys", { id: keysId, hidden: true }, h("h4", {}, "Keys, while the comparer has the focus"),
-      h("dl", {}, keys.map((key) => [h("dt", {}, h("kbd", {}, key.show)), h("dd", {}, key.what)]))),
+    keys: h(
+      "div.keys",
+      { id: keysId, hidden: true },
+      h("h3", {}, "Keys, while the comparer has the focus"),
+      h(
+        "dl",
+        {},
+        keys.map((key) => [h("dt", {}, h("kbd", {}, key.show)), h("dd", {}, key.what)]),
+      ),
+    ),
   };
   panel.tools = tools(comparer);
-  panel.wipeSlider = h("input", { type: "range", min: 0, max: 1, step: 0.01, "aria-label": "Place of the wipe's line",
-    oninput: () => comparer.moveWipe(Number(panel.wipeSlider.value) - comparer.wipeAt) });
+  panel.wipeSlider = h("input", {
+    type: "range",
+    min: 0,
+    max: 1,
+    step: 0.01,
+    "aria-label": "Place of the wipe's line",
+    oninput: () => comparer.moveWipe(Number(panel.wipeSlider.value) - comparer.wipeAt),
+  });
   const scenes = comparer.scenes.map((scene) => ({ value: scene, label: comparer.names.short(scene.scene) }));
-  panel.root = h("div.comparer", { id: "comparer", tabindex: 0, role: "application", "aria-roledescription": "image comparer",
-    "aria-label": "Image comparer. Number keys show views, question mark shows all keys.", "aria-describedby": keysId },
-    h("div.controls", {}, select("Scene", scenes, scenes[0].value, (scene) => comparer.open(scene))),
+  panel.root = h(
+    "div.comparer",
+    {
+      id: "comparer",
+      tabindex: 0,
+      role: "application",
+      "aria-roledescription": "image comparer",
+      "aria-label": "Image comparer. Number keys show views, question mark shows all keys.",
+      "aria-describedby": keysId,
+    },
+    h(
+      "div.controls",
+      {},
+      select("Scene", scenes, scenes[0].value, (scene) => comparer.open(scene)),
+    ),
     panel.views,
-    h("div.stage", {},
-      h("div.picture", {}, panel.canvas, panel.wipeSlider, h("div.scale", {}, panel.scaleTitle, panel.scale, panel.ticks)),
-      h("div.side", {}, h("div.tools", { role: "group", "aria-label": "Tools" }, Object.values(panel.tools)), panel.live, panel.readout, panel.problems)),
-    panel.crops, panel.keys);
+    h(
+      "div.stage",
+      {},
+      h(
+        "div.picture",
+        {},
+        panel.canvas,
+        panel.wipeSlider,
+        h("div.scale", {}, panel.scaleTitle, panel.scale, panel.ticks),
+      ),
+      h(
+        "div.side",
+        {},
+        h("div.tools", { role: "group", "aria-label": "Tools" }, Object.values(panel.tools)),
+        panel.live,
+        panel.readout,
+        panel.problems,
+      ),
+    ),
+    panel.crops,
+    panel.keys,
+  );
   return panel;
 }
 
 function tools(comparer) {
-  const tool = (name, key, action, ...rest) => h("button", { type: "button", "data-tool": name, onclick: () => comparer.current && comparer[action](...rest), "aria-keyshortcuts": key },
-    name, " ", h("kbd", { "aria-hidden": "true" }, key));
+  const tool = (name, key, action, ...rest) =>
+    h(
+      "button",
+      {
+        type: "button",
+        "data-tool": name,
+        onclick: () => comparer.current && comparer[action](...rest),
+        "aria-keyshortcuts": key,
+      },
+      name,
+      " ",
+      h("kbd", { "aria-hidden": "true" }, key),
+    );
   return {
-    wipe: tool("Wipe", "w", "toggleWipe"), swap: tool("Swap", "x", "swap"), error: tool("Signed error", "d", "toggleError"),
-    falseColour: tool("False colour", "f", "toggleFalse"), crops: tool("Crops", "c", "toggleCrops"),
-    brighter: tool("Brighter", "e", "expose", 0.5), darker: tool("Darker", "E", "expose", -0.5),
-    larger: tool("Zoom in", "+", "zoomBy", 2), smaller: tool("Zoom out", "-", "zoomBy", 0.5), reset: tool("Reset", "r", "reset"), keys: tool("Keys", "?", "toggleKeys"),
+    wipe: tool("Wipe", "w", "toggleWipe"),
+    swap: tool("Swap", "x", "swap"),
+    error: tool("Signed error", "d", "toggleError"),
+    falseColour: tool("False colour", "f", "toggleFalse"),
+    crops: tool("Crops", "c", "toggleCrops"),
+    brighter: tool("Brighter", "e", "expose", 0.5),
+    darker: tool("Darker", "E", "expose", -0.5),
+    larger: tool("Zoom in", "+", "zoomBy", 2),
+    smaller: tool("Zoom out", "-", "zoomBy", 0.5),
+    reset: tool("Reset", "r", "reset"),
+    keys: tool("Keys", "?", "toggleKeys"),
   };
 }
 
 export function showTools(comparer) {
   const { tools: buttons, wipeSlider } = comparer.panel;
-  const pressed = { wipe: comparer.wipe, falseColour: comparer.settings.falseColour, crops: comparer.crops, error: comparer.current?.kind === "error" };
+  const pressed = {
+    wipe: comparer.wipe,
+    falseColour: comparer.settings.falseColour,
+    crops: comparer.crops,
+    error: comparer.current?.kind === "error",
+  };
   for (const [name, on] of Object.entries(pressed)) buttons[name].setAttribute("aria-pressed", String(on));
   wipeSlider.hidden = !comparer.wipe;
   wipeSlider.value = String(comparer.wipeAt);
@@ -53,16 +120,32 @@ export function showTools(comparer) {
 
 export function showViews(comparer) {
   const { views, current, other, wipe } = comparer;
-  comparer.panel.views.replaceChildren(...views.map((view, i) => {
-    const at = view === current ? (wipe ? " (left)" : "") : wipe && view === other ? " (right)" : "";
-    return h("button", { type: "button", "aria-pressed": String(view === current), "data-kind": view.kind, onclick: () => comparer.turnTo(view) },
-      i < 9 ? h("kbd", { "aria-hidden": "true" }, String(i + 1)) : null, ` ${view.label}${at}`);
-  }));
+  comparer.panel.views.replaceChildren(
+    ...views.map((view, i) => {
+      const at = view === current ? (wipe ? " (left)" : "") : wipe && view === other ? " (right)" : "";
+      return h(
+        "button",
+        {
+          type: "button",
+          "aria-pressed": String(view === current),
+          "data-kind": view.kind,
+          onclick: () => comparer.turnTo(view),
+        },
+        i < 9 ? h("kbd", { "aria-hidden": "true" }, String(i + 1)) : null,
+        ` ${view.label}${at}`,
+      );
+    }),
+  );
 }
 
 export function showScale(panel, scale) {
   const ticks = scaleTicks(scale);
-  const what = { screen: "Radiance on the screen", log: "Luminance, logarithmic", linear: "Value", signed: "Signed error: blue too dark, red too bright" }[scale.kind];
+  const what = {
+    screen: "Radiance on the screen",
+    log: "Luminance, logarithmic",
+    linear: "Value",
+    signed: "Signed error: blue too dark, red too bright",
+  }[scale.kind];
   panel.scaleTitle.textContent = `${what}${scale.unit ? `, ${scale.unit}` : ""}`;
   paintScale(panel.scale, scale);
   panel.ticks.replaceChildren(...ticks.map((tick) => h("span", { style: `left:${100 * tick.at}%` }, tick.text)));
@@ -72,4 +155,3 @@ export function showKeys(panel) {
   panel.keys.hidden = !panel.keys.hidden;
   return !panel.keys.hidden;
 }
-

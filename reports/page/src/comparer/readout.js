@@ -29,21 +29,51 @@ export function readings(views, current, cursor) {
   const truth = views.find((view) => view.kind === "truth");
   const same = (view) => view && view.pixels.width === width && view.pixels.height === current.pixels.height;
   if (truth !== current && same(truth)) wanted.push(truth);
-  const error = views.find((view) => view.kind === "error" && (view.of === current || view === current));
-  if (error && error !== current) wanted.push(error);
-  if (current.kind === "error") wanted.push(current.of);
-  return wanted.map((view) => ({ what: view.label, values: bands(view, i), text: bands(view, i).map((v) => value(view, v)), unit: unitOf(view) }));
+  const error = views.find((view) => view.kind === "error" && view.of === current);
+  if (error) wanted.push(error);
+  if (current.of) wanted.push(current.of);
+  return wanted.map((view) => ({
+    what: view.label,
+    values: bands(view, i),
+    text: bands(view, i).map((v) => value(view, v)),
+    unit: unitOf(view),
+  }));
 }
 
 export function readoutTable(rows, cursor) {
   if (!rows.length) return [h("p", {}, "Point at the picture, or move the cursor with i j k l.")];
   const three = rows.some((row) => row.values.length === 3);
-  return [h("table", {},
-    h("caption", {}, `Pixel ${cursor.x}, ${cursor.y} from the top left`),
-    h("thead", {}, h("tr", {}, [h("th", { scope: "col" }, "View"), ...(three ? ["R", "G", "B"] : ["Y"]).map((band) => h("th", { scope: "col" }, band)), h("th", { scope: "col" }, "Unit")])),
-    h("tbody", {}, rows.map((row) => h("tr", {}, h("th", { scope: "row" }, row.what),
-      row.text.map((text, b) => h("td.number", { "data-value": known(row.values[b]) ?? "null" }, text)),
-      three && row.values.length === 1 ? [h("td", {}, none), h("td", {}, none)] : null, h("td", {}, row.unit)))))];
+  return [
+    h(
+      "table",
+      {},
+      h("caption", {}, `Pixel ${cursor.x}, ${cursor.y} from the top left`),
+      h(
+        "thead",
+        {},
+        h("tr", {}, [
+          h("th", { scope: "col" }, "View"),
+          ...(three ? ["R", "G", "B"] : ["Y"]).map((band) => h("th", { scope: "col" }, band)),
+          h("th", { scope: "col" }, "Unit"),
+        ]),
+      ),
+      h(
+        "tbody",
+        {},
+        rows.map((row) =>
+          h(
+            "tr",
+            {},
+            h("th", { scope: "row" }, row.what),
+            row.text.map((text, b) => h("td.number", { "data-value": known(row.values[b]) ?? "null" }, text)),
+            three && row.values.length === 1 ? [h("td", {}, none), h("td", {}, none)] : null,
+            h("td", {}, row.unit),
+          ),
+        ),
+      ),
+    ),
+  ];
 }
 
-export const spoken = (rows, cursor) => `Pixel ${cursor.x}, ${cursor.y}: ${rows.map((row) => `${row.what} ${row.text.join(" ")}`).join("; ")}`;
+export const spoken = (rows, cursor) =>
+  `Pixel ${cursor.x}, ${cursor.y}: ${rows.map((row) => `${row.what} ${row.text.join(" ")}`).join("; ")}`;

@@ -33,11 +33,19 @@ function loadScript(image) {
 
 /** Scenes that have an image or a truth: [{scene, images, truth}]; images in the order of the file. */
 export function scenesOf(images) {
-  return [...groupBy(images.filter((image) => image.kind), (image) => image.scene ?? "images")].map(([scene, members]) => ({
-    scene, truth: members.find((image) => image.kind === "truth") ?? null,
-    images: members.filter((image) => image.kind === "image"),
-    others: members.filter((image) => !["image", "truth"].includes(image.kind)),
-  })).filter((one) => one.images.length + one.others.length + (one.truth ? 1 : 0));
+  return [
+    ...groupBy(
+      images.filter((image) => image.kind),
+      (image) => image.scene ?? "images",
+    ),
+  ]
+    .map(([scene, members]) => ({
+      scene,
+      truth: members.find((image) => image.kind === "truth") ?? null,
+      images: members.filter((image) => image.kind === "image"),
+      others: members.filter((image) => !["image", "truth"].includes(image.kind)),
+    }))
+    .filter((one) => one.images.length + one.others.length + (one.truth ? 1 : 0));
 }
 
 /** Mean over pixels and bands that are known. */
@@ -67,10 +75,26 @@ export function signedError(image, truth) {
     squares += off * off;
     count++;
   }
-  return { width: image.width, height: image.height, channels: image.channels, data, mean: count ? sum / count : null, rms: count ? Math.sqrt(squares / count) : null };
+  return {
+    width: image.width,
+    height: image.height,
+    channels: image.channels,
+    data,
+    mean: count ? sum / count : null,
+    rms: count ? Math.sqrt(squares / count) : null,
+  };
 }
 
-export const shows = { image: "radiance", truth: "radiance", error: "signed", bias: "signed", noise: "positive", radius: "positive", count: "positive", other: "radiance" };
+export const shows = {
+  image: "radiance",
+  truth: "radiance",
+  error: "signed",
+  bias: "signed",
+  noise: "positive",
+  radius: "positive",
+  count: "positive",
+  other: "radiance",
+};
 
 /** Views of a scene: its images, the truth, the signed error of each, then whatever else there is. */
 export async function viewsOf(scene) {
@@ -90,10 +114,16 @@ export async function viewsOf(scene) {
   for (const view of shown) {
     const error = truth && signedError(view.pixels, truth.pixels);
     view.error = error;
-    if (error) views.push({ kind: "error", label: `error of ${view.label}`, show: "signed", pixels: error, of: view });
+    if (error)
+      views.push({ kind: "error", label: `error of ${view.label}`, show: "signed", pixels: error, of: view });
     else if (truth) problems.push(`${view.label}: no signed error, the truth has another size`);
   }
-  for (const image of scene.others) await add(image, shows[image.kind] ?? "radiance", `${image.kind === "other" ? "" : `${image.kind} of `}${image.label ?? image.name}`);
+  for (const image of scene.others)
+    await add(
+      image,
+      shows[image.kind] ?? "radiance",
+      `${image.kind === "other" ? "" : `${image.kind} of `}${image.label ?? image.name}`,
+    );
   if (!scene.truth) problems.push("no truth of this scene, so no signed errors");
   return { views, truth, problems, ...ranges(views) };
 }
@@ -129,8 +159,13 @@ export function rounded(value) {
 /** What white is, and the ends of the scales, for all views of a scene alike; positive ones each have their own. */
 function ranges(views) {
   const reference = views.find((view) => view.kind === "truth") ?? views.find((view) => view.show === "radiance");
-  const errors = views.filter((view) => view.show === "signed").map((view) => percentile(view, 0.98)).sort((a, b) => a - b);
+  const errors = views
+    .filter((view) => view.show === "signed")
+    .map((view) => percentile(view, 0.98))
+    .sort((a, b) => a - b);
   for (const view of views) if (view.show === "positive") view.most = rounded(percentile(view, 0.99));
-  return { white: rounded(reference ? percentile(reference, 0.97) * 1.2 : 1), signed: rounded(errors.length ? errors[errors.length >> 1] : 1) };
+  return {
+    white: rounded(reference ? percentile(reference, 0.97) * 1.2 : 1),
+    signed: rounded(errors.length ? errors[errors.length >> 1] : 1),
+  };
 }
-

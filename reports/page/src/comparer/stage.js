@@ -85,17 +85,24 @@ export class Stage {
       context.drawImage(bitmap, left, top, this.size.width * s, this.size.height * s);
       context.restore();
     }
-    if (line !== null) stroke(context, () => {
-      context.moveTo(line * width, 0);
-      context.lineTo(line * width, height);
-    });
-    if (cursor) stroke(context, () => context.rect(left + cursor.x * s - 1, top + cursor.y * s - 1, Math.max(5, s + 2), Math.max(5, s + 2)));
+    if (line !== null)
+      stroke(context, () => {
+        context.moveTo(line * width, 0);
+        context.lineTo(line * width, height);
+      });
+    if (cursor)
+      stroke(context, () =>
+        context.rect(left + cursor.x * s - 1, top + cursor.y * s - 1, Math.max(5, s + 2), Math.max(5, s + 2)),
+      );
   }
 }
 
 /** Black on white, so that it is seen on any picture. */
 function stroke(context, path) {
-  for (const [colour, width] of [["#fff", 4], ["#000", 1.5]]) {
+  for (const [colour, width] of [
+    ["#fff", 4],
+    ["#000", 1.5],
+  ]) {
     context.beginPath();
     path();
     context.strokeStyle = colour;

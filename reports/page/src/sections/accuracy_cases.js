@@ -1,5 +1,14 @@
 // All cases at a glance, and how well predictions hold.
-import { isInterval, isNumber, list, percent, percentInterval, plural, significant, signedPercent } from "../base/format.js";
+import {
+  isInterval,
+  isNumber,
+  list,
+  percent,
+  percentInterval,
+  plural,
+  significant,
+  signedPercent,
+} from "../base/format.js";
 import { groupBy } from "../base/data.js";
 import { outside } from "../base/compare.js";
 import { linearAxis, logAxis, nameMargin, plot, Plot, shorten, tip } from "../chart/plot.js";
@@ -9,10 +18,13 @@ import { frontModel, lookupOf, overall, ranking } from "./accuracy_model.js";
 
 export function caseFigure(choices, names) {
   const models = new Map(choices.map((choice) => [choice.value, frontModel(choice.rows, names)]));
-  const rowsOf = (state) => [...models.get(state.setting).views].filter(([name]) => name !== overall)
-    .flatMap(([name, entries]) => ranking(entries).map((entry) => ({ ...entry, case: name })));
+  const rowsOf = (state) =>
+    [...models.get(state.setting).views]
+      .filter(([name]) => name !== overall)
+      .flatMap(([name, entries]) => ranking(entries).map((entry) => ({ ...entry, case: name })));
   return figure({
-    id: "by-case", title: "Least error of each estimator, by case",
+    id: "by-case",
+    title: "Least error of each estimator, by case",
     controls: [{ key: "setting", label: "Photons", options: choices, value: choices[0].value }],
     draw: (width, state) => drawCases(width, rowsOf(state), names),
     rows: rowsOf,
@@ -26,8 +38,11 @@ export function caseFigure(choices, names) {
       { key: "verdict", label: "Verdict" },
     ],
     summary: (state) => caseSummary(rowsOf(state), names),
-    formula: "in each cell the least rel_rmse over all k, in percent of the mean truth, and the k at which it is. Bold with a frame: the least " +
-      "of its case; framed: ties with it (intervals overlap). The darker, the larger the error over the least of its row. The oracle " +
+    formula:
+      "in each cell the least rel_rmse over all k, in percent of the mean truth, and the k at which it is. " +
+      "Bold with a frame: the least " +
+      "of its case; framed: ties with it (intervals overlap). The darker, the larger the error over the " +
+      "least of its row. The oracle " +
       "knows the truth and cannot be run: it takes no part.",
     plusminus: "95 % intervals over trials, in the table.",
   });
@@ -36,19 +51,64 @@ export function caseFigure(choices, names) {
 function drawCases(width, entries, names) {
   if (!entries.length) return [];
   const cases = [...new Set(entries.map((entry) => entry.case))];
-  const estimators = [...new Set(entries.map((entry) => entry.estimator))].sort((a, b) => names.estimator.index(a) - names.estimator.index(b));
+  const estimators = [...new Set(entries.map((entry) => entry.estimator))].sort(
+    (a, b) => names.estimator.index(a) - names.estimator.index(b),
+  );
   const margin = nameMargin(cases, width, 0.3);
   const wide = Math.max(width, margin + estimators.length * 62 + 20);
   const short = new Map(estimators.map((name) => [name, shorten(names.estimator.short(name), 90)]));
   const shade = (entry) => Math.min(0.5, entry.ratio ? 0.16 * Math.log2(Math.max(1, entry.ratio)) : 0);
   const node = plot(wide, {
-    height: 96 + cases.length * 34, marginLeft: margin, marginTop: 84, marginBottom: 8,
-    x: { type: "band", domain: estimators, axis: "top", label: null, tickFormat: (name) => short.get(name), tickRotate: -38, tickSize: 0, padding: 0.06 },
-    y: { type: "band", domain: cases, label: null, tickSize: 0, tickFormat: (name) => shorten(name, margin - 12), padding: 0.08 },
+    height: 96 + cases.length * 34,
+    marginLeft: margin,
+    marginTop: 84,
+    marginBottom: 8,
+    x: {
+      type: "band",
+      domain: estimators,
+      axis: "top",
+      label: null,
+      tickFormat: (name) => short.get(name),
+      tickRotate: -38,
+      tickSize: 0,
+      padding: 0.06,
+    },
+    y: {
+      type: "band",
+      domain: cases,
+      label: null,
+      tickSize: 0,
+      tickFormat: (name) => shorten(name, margin - 12),
+      padding: 0.08,
+    },
     marks: [
-      Plot.cell(entries, { x: "estimator", y: "case", fill: "var(--ink)", fillOpacity: (entry) => shade(entry), inset: 0 }),
-      Plot.cell(entries.filter((entry) => entry.leader || entry.tie), { x: "estimator", y: "case", fill: "none", stroke: "var(--accent)", strokeWidth: (entry) => (entry.leader ? 2.5 : 1), inset: 1 }),
-      Plot.text(entries, { x: "estimator", y: "case", text: (entry) => significant(entry.rmse * 100), dy: -5, fontWeight: (entry) => (entry.leader ? 700 : 400), fontSize: 12, fill: "var(--ink)" }),
+      Plot.cell(entries, {
+        x: "estimator",
+        y: "case",
+        fill: "var(--ink)",
+        fillOpacity: (entry) => shade(entry),
+        inset: 0,
+      }),
+      Plot.cell(
+        entries.filter((entry) => entry.leader || entry.tie),
+        {
+          x: "estimator",
+          y: "case",
+          fill: "none",
+          stroke: "var(--accent)",
+          strokeWidth: (entry) => (entry.leader ? 2.5 : 1),
+          inset: 1,
+        },
+      ),
+      Plot.text(entries, {
+        x: "estimator",
+        y: "case",
+        text: (entry) => significant(entry.rmse * 100),
+        dy: -5,
+        fontWeight: (entry) => (entry.leader ? 700 : 400),
+        fontSize: 12,
+        fill: "var(--ink)",
+      }),
       Plot.text(entries, { x: "estimator", y: "case", text: "lookup", dy: 8, fontSize: 9.5, fill: "var(--ink)" }),
     ],
   });
@@ -62,13 +122,18 @@ function drawCases(width, entries, names) {
 }
 
 function caseSummary(entries, names) {
-  const wins = groupBy(entries.filter((entry) => entry.leader), (entry) => entry.estimator);
+  const wins = groupBy(
+    entries.filter((entry) => entry.leader),
+    (entry) => entry.estimator,
+  );
   const cases = new Set(entries.map((entry) => entry.case)).size;
   if (!cases) return "No cases can be compared.";
-  const parts = [...wins].sort((a, b) => b[1].length - a[1].length).map(([estimator, members]) => {
-    const tied = members.filter((win) => entries.some((entry) => entry.case === win.case && entry.tie)).length;
-    return `${names.estimator.short(estimator)} in ${members.length}${tied ? ` (${tied} of them with ties)` : ""}`;
-  });
+  const parts = [...wins]
+    .sort((a, b) => b[1].length - a[1].length)
+    .map(([estimator, members]) => {
+      const tied = members.filter((win) => entries.some((entry) => entry.case === win.case && entry.tie)).length;
+      return `${names.estimator.short(estimator)} in ${members.length}${tied ? ` (${tied} of them with ties)` : ""}`;
+    });
   return `Of ${plural(cases, "case")} the least error is that of ${list(parts)}.`;
 }
 
@@ -78,29 +143,56 @@ function deviations(rows) {
   for (const row of rows)
     for (const quantity of ["rel_bias", "rel_noise"]) {
       const [measured, predicted, interval] = [row[quantity], row[`predicted_${quantity}`], row[`${quantity}_ci95`]];
-      if (!isNumber(measured) || !isNumber(predicted) || !isInterval(interval) || !(interval[1] > interval[0])) continue;
+      if (!isNumber(measured) || !isNumber(predicted) || !isInterval(interval) || !(interval[1] > interval[0]))
+        continue;
       const half = measured > predicted ? measured - interval[0] : interval[1] - measured;
-      found.push({ row, quantity, measured, predicted, interval, off: half > 0 ? (measured - predicted) / half : null,
-        missed: outside(predicted, interval) });
+      found.push({
+        row,
+        quantity,
+        measured,
+        predicted,
+        interval,
+        off: half > 0 ? (measured - predicted) / half : null,
+        missed: outside(predicted, interval),
+      });
     }
   return found.filter((one) => isNumber(one.off));
 }
 
 export function missedPredictions(rows) {
   const all = deviations(rows);
-  return { all: all.length, missed: all.filter((one) => one.missed).sort((a, b) => Math.abs(b.off) - Math.abs(a.off)) };
+  return {
+    all: all.length,
+    missed: all.filter((one) => one.missed).sort((a, b) => Math.abs(b.off) - Math.abs(a.off)),
+  };
 }
 
 export function predictionFigure(rows, names, keyOf) {
   const all = deviations(rows);
   const visible = (state) => all.filter((one) => one.quantity === state.quantity);
   return figure({
-    id: "predicted", title: "Measured beside predicted",
-    controls: [{ key: "quantity", label: "Quantity", options: [{ value: "rel_bias", label: "bias" }, { value: "rel_noise", label: "noise" }], value: "rel_bias" }],
+    id: "predicted",
+    title: "Measured beside predicted",
+    controls: [
+      {
+        key: "quantity",
+        label: "Quantity",
+        options: [
+          { value: "rel_bias", label: "bias" },
+          { value: "rel_noise", label: "noise" },
+        ],
+        value: "rel_bias",
+      },
+    ],
     draw: (width, state) => drawPredictions(width, visible(state), names, keyOf),
     rows: visible,
     columns: [
-      { key: "estimator", label: "Estimator", value: (one) => one.row.estimator, format: (v) => names.estimator.short(v) },
+      {
+        key: "estimator",
+        label: "Estimator",
+        value: (one) => one.row.estimator,
+        format: (v) => names.estimator.short(v),
+      },
       { key: "case", label: "Case", value: (one) => one.row.case, format: (_, one) => keyOf(one.row) },
       { key: "region", label: "Region", value: (one) => one.row.region },
       { key: "lookup", label: "Lookup", value: (one) => lookupOf(one.row) },
@@ -113,12 +205,20 @@ export function predictionFigure(rows, names, keyOf) {
     summary: (state) => {
       const shown = visible(state);
       const held = shown.filter((one) => !one.missed).length;
-      return shown.length ? `${held} of ${shown.length} predictions of ${state.quantity === "rel_bias" ? "bias" : "noise"} lie within the 95 % interval of the ` +
-        `measurement (${percent(held / shown.length)}; 95 % are expected where both are right).` : "No row has a prediction.";
+      return shown.length
+        ? `${held} of ${shown.length} predictions of ${state.quantity === "rel_bias" ? "bias" : "noise"} lie ` +
+            `within the 95 % interval of the ` +
+            `measurement (${percent(held / shown.length)}; 95 % are expected where both are right).`
+        : "No row has a prediction.";
     },
-    formula: "(measured − predicted) / half-width of the measurement's 95 % interval, one mark a row; within −1 and 1 the prediction lies in the interval. " +
-      "Predictions are exact laws by quadrature; beyond them, in estimators and regions without a law, there are none.",
-    plusminus: "the interval over trials is the unit of the axis. Rows of one region share their photons, so they miss together; below k = 10 intervals are too short (heavy tails).",
+    formula:
+      "(measured − predicted) / half-width of the measurement's 95 % interval, one mark a row; within −1 and " +
+      "1 the prediction lies in the interval. " +
+      "Predictions are exact laws by quadrature; beyond them, in estimators and regions without a law, there " +
+      "are none.",
+    plusminus:
+      "the interval over trials is the unit of the axis. Rows of one region share their photons, so they " +
+      "miss together; below k = 10 intervals are too short (heavy tails).",
   });
 }
 
@@ -127,23 +227,51 @@ function drawPredictions(width, shown, names, keyOf) {
   const points = shown.map((one) => ({ ...one, x: one.row.k ?? 1 }));
   const limit = Math.min(8, Math.max(2, ...points.map((one) => Math.abs(one.off))));
   const place = (one, i) => one.x * (1 + 0.1 * (((i * 0.618) % 1) - 0.5));
-  const x = logAxis("k, photons in an estimate →", points.map((one) => one.x), { format: String, most: 9 });
+  const x = logAxis(
+    "k, photons in an estimate →",
+    points.map((one) => one.x),
+    { format: String, most: 9 },
+  );
   const ks = [...new Set(points.map((one) => one.x))].sort((a, b) => a - b);
   if (ks.length < 10) x.ticks = ks;
   const y = linearAxis("↑ off, in half-widths of the interval", [-limit, limit]);
-  const title = (one) => `${names.estimator.short(one.row.estimator)}, ${keyOf(one.row)}, region ${one.row.region}, ${lookupOf(one.row)}\nmeasured ` +
+  const title = (one) =>
+    `${names.estimator.short(one.row.estimator)}, ${keyOf(one.row)}, region ${one.row.region}, ` +
+    `${lookupOf(one.row)}\nmeasured ` +
     `${signedPercent(one.measured)} ${percentInterval(one.interval)}\npredicted ${signedPercent(one.predicted)}`;
-  const clipped = points.map((one, i) => ({ ...one, px: place(one, i), py: Math.max(-limit, Math.min(limit, one.off)) }));
-  return [{ node: plot(width, {
-    height: 300, x, y,
-    marks: [
-      Plot.rectY([{}], { x1: x.domain[0], x2: x.domain[1], y1: -1, y2: 1, fill: "var(--accent)", fillOpacity: 0.1 }),
-      Plot.ruleY([-1, 1], { stroke: "var(--accent)", strokeOpacity: 0.7 }),
-      Plot.ruleY([0], { stroke: "var(--ink)", strokeOpacity: 0.5 }),
-      Plot.dot(clipped, { x: "px", y: "py", fill: (one) => style(names.estimator.index(one.row.estimator)).colour,
-        symbol: (one) => style(names.estimator.index(one.row.estimator)).symbol, r: 3, fillOpacity: 0.85 }),
-      tip(clipped, { x: "px", y: "py", title }),
-    ],
-  }) }];
+  const clipped = points.map((one, i) => ({
+    ...one,
+    px: place(one, i),
+    py: Math.max(-limit, Math.min(limit, one.off)),
+  }));
+  return [
+    {
+      node: plot(width, {
+        height: 300,
+        x,
+        y,
+        marks: [
+          Plot.rectY([{}], {
+            x1: x.domain[0],
+            x2: x.domain[1],
+            y1: -1,
+            y2: 1,
+            fill: "var(--accent)",
+            fillOpacity: 0.1,
+          }),
+          Plot.ruleY([-1, 1], { stroke: "var(--accent)", strokeOpacity: 0.7 }),
+          Plot.ruleY([0], { stroke: "var(--ink)", strokeOpacity: 0.5 }),
+          Plot.dot(clipped, {
+            x: "px",
+            y: "py",
+            fill: (one) => style(names.estimator.index(one.row.estimator)).colour,
+            symbol: (one) => style(names.estimator.index(one.row.estimator)).symbol,
+            r: 3,
+            fillOpacity: 0.85,
+          }),
+          tip(clipped, { x: "px", y: "py", title }),
+        ],
+      }),
+    },
+  ];
 }
-

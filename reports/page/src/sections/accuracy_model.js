@@ -1,21 +1,25 @@
 // Rows of `accuracy` as the page compares them: by setting, by case, and over the cases that all estimators have.
-import { isInterval, isNumber } from "../base/format.js";
+import { group, isInterval, isNumber } from "../base/format.js";
 import { groupBy } from "../base/data.js";
 import { least, logHalfWidth, overlap, ratio } from "../base/compare.js";
 
 export const isOracle = (row) => String(row.estimator).split(":")[0] === "oracle";
-const usable = (row) => (row.status === "ok" || row.status === "degenerate" || row.status === undefined) &&
-  isNumber(row.rel_rmse) && row.rel_rmse > 0;
+const usable = (row) =>
+  (row.status === "ok" || row.status === "degenerate" || row.status === undefined) &&
+  isNumber(row.rel_rmse) &&
+  row.rel_rmse > 0;
 
 /** What rows must share to be compared at all. */
 export const settingOf = (row) => [row.photons, row.sampler, row.lookup, row.front].map(String).join(" · ");
 export const settingLabel = (row) =>
-  `${Number(row.photons).toLocaleString("en")} photons, ${row.sampler ?? "?"}` +
-  (row.lookup && row.lookup !== "sphere" ? `, lookup ${row.lookup}` : "") + (row.front === "off" ? ", front off" : "");
+  `${group(row.photons)} ${row.sampler ?? ""} photons` +
+  (row.lookup && row.lookup !== "sphere" ? `, lookup ${row.lookup}` : "") +
+  (row.front === "off" ? ", front off" : "");
 
 /** Settings, the one with the most rows first: [{value, label, rows}]. */
 export function settings(rows) {
-  return [...groupBy(rows, settingOf)].map(([value, members]) => ({ value, label: settingLabel(members[0]), rows: members }))
+  return [...groupBy(rows, settingOf)]
+    .map(([value, members]) => ({ value, label: settingLabel(members[0]), rows: members }))
     .sort((a, b) => b.rows.length - a.rows.length);
 }
 
@@ -33,9 +37,14 @@ export const lookupOf = (row) => (row.kind === "radius" ? `R = ${row.radius} m` 
 /** Marks of one case: an entry for each row of region `all`. */
 function entriesOf(rows) {
   return rows.filter(usable).map((row) => ({
-    estimator: row.estimator, k: row.k, lookup: lookupOf(row), rmse: row.rel_rmse,
+    estimator: row.estimator,
+    k: row.k,
+    lookup: lookupOf(row),
+    rmse: row.rel_rmse,
     interval: isInterval(row.rel_rmse_ci95) ? row.rel_rmse_ci95 : null,
-    cost: isNumber(row.cost_s) && !isOracle(row) ? row.cost_s : null, oracle: isOracle(row), cases: 1,
+    cost: isNumber(row.cost_s) && !isOracle(row) ? row.cost_s : null,
+    oracle: isOracle(row),
+    cases: 1,
   }));
 }
 
@@ -50,9 +59,14 @@ function meanOver(rows, count) {
   const [first] = usableRows;
   const cost = usableRows.every((row) => isNumber(row.cost_s) && row.cost_s > 0) && !isOracle(first);
   return {
-    estimator: first.estimator, k: first.k, lookup: lookupOf(first), rmse,
+    estimator: first.estimator,
+    k: first.k,
+    lookup: lookupOf(first),
+    rmse,
     interval: half === null ? null : [rmse * Math.exp(-half), rmse * Math.exp(half)],
-    cost: cost ? mean((row) => row.cost_s) : null, oracle: isOracle(first), cases: count,
+    cost: cost ? mean((row) => row.cost_s) : null,
+    oracle: isOracle(first),
+    cases: count,
   };
 }
 
@@ -92,17 +106,25 @@ export function frontModel(rows, names) {
 
 /** One entry an estimator, that of least error, the best first; `verdict` compares each with the best. */
 export function ranking(entries) {
-  const best = [...groupBy(entries, (entry) => entry.estimator).values()].map((group) => least(group, (e) => e.rmse))
+  const best = [...groupBy(entries, (entry) => entry.estimator).values()]
+    .map((group) => least(group, (e) => e.rmse))
     .sort((a, b) => a.rmse - b.rmse);
   const leader = best.find((entry) => !entry.oracle);
   return best.map((entry) => {
-    const behind = leader && entry !== leader ? ratio(entry.rmse, entry.interval, leader.rmse, leader.interval) : null;
+    const behind =
+      leader && entry !== leader ? ratio(entry.rmse, entry.interval, leader.rmse, leader.interval) : null;
     let verdict = "behind";
     if (entry.oracle) verdict = "floor: knows the truth, cannot be run";
     else if (entry === leader) verdict = "least";
     else if (overlap(entry.interval, leader.interval)) verdict = "tie with the least";
-    return { ...entry, verdict, leader: entry === leader, tie: verdict.startsWith("tie"), ratio: behind?.value ?? (entry === leader ? 1 : null),
-      ratio_ci95: behind?.interval ?? null };
+    return {
+      ...entry,
+      verdict,
+      leader: entry === leader,
+      tie: verdict.startsWith("tie"),
+      ratio: behind?.value ?? (entry === leader ? 1 : null),
+      ratio_ci95: behind?.interval ?? null,
+    };
   });
 }
 
