@@ -1,12 +1,13 @@
 // Tables of values: shown rounded, with the value itself in data-value; and the same as CSV.
 import { h, rich } from "./base/dom.js";
-import { isInterval, none, significant } from "./base/format.js";
+import { group, isInterval, none, significant } from "./base/format.js";
 
 /** columns: [{key, label, format?, value?}]; value(row) is the raw value, row[key] if absent. */
 export const rawValue = (column, row) => (column.value ? column.value(row) : row[column.key]);
 
 function shown(column, value, row) {
   if (column.format) return column.format(value, row);
+  if (Number.isInteger(value)) return group(value);
   if (typeof value === "number") return significant(value, 4);
   if (isInterval(value)) return `[${significant(value[0])}, ${significant(value[1])}]`;
   if (typeof value === "boolean") return value ? "yes" : "no";

@@ -67,6 +67,12 @@ const grid = (mark, axis) =>
     ? null
     : mark({ stroke: "var(--grid)", strokeOpacity: 1, ...(axis?.ticks === undefined ? {} : { ticks: axis.ticks }) });
 
+/** D3 leaves out labels of a logarithmic axis as it sees fit: ours have all that we chose. */
+const chosen = (axis) => axis?.type === "log" && Array.isArray(axis.ticks);
+const quiet = (axis) => (chosen(axis) ? { ...axis, axis: null, ticks: undefined, tickFormat: undefined } : axis);
+const labels = (mark, axis) =>
+  chosen(axis) ? mark(axis.ticks, { text: axis.tickFormat, label: axis.label, labelArrow: "none" }) : null;
+
 export function plot(width, options) {
   const narrow = width < 480;
   return Plot.plot({
@@ -85,7 +91,15 @@ export function plot(width, options) {
       overflow: "visible",
     },
     ...options,
-    marks: [grid(Plot.gridX, options.x), grid(Plot.gridY, options.y), ...options.marks],
+    x: quiet(options.x),
+    y: quiet(options.y),
+    marks: [
+      grid(Plot.gridX, options.x),
+      grid(Plot.gridY, options.y),
+      labels(Plot.axisX, options.x),
+      labels(Plot.axisY, options.y),
+      ...options.marks,
+    ],
   });
 }
 

@@ -18,7 +18,9 @@ export const settingLabel = (row) =>
 
 /** Settings, the one with the most rows first: [{value, label, rows}]. */
 export function settings(rows) {
-  return [...groupBy(rows, settingOf)]
+  const isScene = (row) => Number(String(row.case).startsWith("scene:"));
+  const sorted = [...rows].sort((a, b) => isScene(a) - isScene(b)); // cases first, else as in the files
+  return [...groupBy(sorted, settingOf)]
     .map(([value, members]) => ({ value, label: settingLabel(members[0]), rows: members }))
     .sort((a, b) => b.rows.length - a.rows.length);
 }

@@ -34,12 +34,13 @@ const axes = [
 export function seriesNamer(rows, names) {
   const alphas = distinct(rows, "alpha").filter(isNumber).length > 1;
   const estimators = new Names(rows.map((row) => row.estimator));
-  const files = distinct(rows, "file_name").length > 1;
+  const seriesOf = (row) => [row.scene, row.method, row.alpha, row.estimator].join("|");
+  const files = new Map([...groupBy(rows, seriesOf)].map(([name, all]) => [name, distinct(all, "file_name").length]));
   return (row) =>
     names.method.short(row.method) +
     (alphas && isNumber(row.alpha) ? ` α=${row.alpha}` : "") +
     (estimators.full.length > 1 && row.estimator ? ` ${estimators.short(row.estimator)}` : "") +
-    (files ? ` (${row.file_name})` : "");
+    (files.get(seriesOf(row)) > 1 ? ` (${row.file_name})` : "");
 }
 
 export function convergeSection(report) {

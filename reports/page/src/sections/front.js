@@ -9,6 +9,7 @@ import {
   significant,
   times,
   tick,
+  list,
 } from "../base/format.js";
 import { least, overlap } from "../base/compare.js";
 import { edgeLabels } from "../chart/labels.js";
@@ -18,8 +19,8 @@ import { figure } from "../figure.js";
 import { frontModel, overall, paretoFront, ranking } from "./accuracy_model.js";
 
 export const rmseIntervals =
-  "95 % intervals over trials (independent photon maps; jackknife, of the logarithm). Probes of one map share photons " +
-  "and are no replicates. A mean over cases has the mean of their intervals in the logarithm, as if all moved " +
+  "95 % intervals over trials (independent photon maps; jackknife, of the logarithm). Probes of one map share " +
+  "photons and are no replicates. A mean over cases has the mean of their intervals in the logarithm, as if all moved " +
   "together: wide rather than narrow. Intervals that overlap are called a tie. Costs have no interval: they are of " +
   "this machine. What is shorter than a mark is hidden by it: the table has it.";
 
@@ -163,13 +164,17 @@ function frontSummary(ranks, name, view, model) {
     view === overall && left.length
       ? ` Left out of the mean, since not all estimators can do them: ${shortList(left, 6)}.`
       : "";
+  const ks = view === overall ? ` ${lookups(model.views.get(overall))}` : "";
   const tied = ties.length ? `ties with ${shortList(ties.map(name), 5)}` : "is apart from all others";
   return (
     `${view}: ${name(best)} at ${best.lookup} has the least RMSE, ${percent(best.rmse)} ` +
     `${percentInterval(best.interval)}, at ` +
-    `${seconds(best.cost)}; it ${tied}.${note}`
+    `${seconds(best.cost)}; it ${tied}.${ks}${note}`
   );
 }
+
+/** In the mean only lookups count that every case has. */
+const lookups = (entries) => `All cases have ${list([...new Set(entries.map((entry) => entry.lookup))])}.`;
 
 /** Equal time and equal error: what is best within a budget, rows as they were measured, nothing interpolated. */
 export function budgetFigure(choices, names) {
@@ -199,10 +204,11 @@ export function budgetFigure(choices, names) {
     ],
     summary: (state) => {
       const rows = rowsOf(state);
-      return rows.length
-        ? `${state.view}: ${rows[0].budget}, ${rows[0].winner} is best; ${rows[rows.length - 1].budget}, ` +
-            `${rows[rows.length - 1].winner}.`
-        : "No rows with a cost.";
+      const said = (row) =>
+        row.budget.startsWith("time")
+          ? `within ${row.budget.slice(7)} ${row.winner} has the least error (${percent(row.rmse)})`
+          : `an RMSE of ${row.budget.slice(7)} is reached soonest by ${row.winner} (${seconds(row.cost)})`;
+      return rows.length ? `${state.view}: ${list(pick(rows).map(said))}.` : "No rows with a cost.";
     },
     formula:
       "equal time: the row of least rel_rmse among those whose cost_s is within the budget; equal error: the " +
@@ -211,6 +217,15 @@ export function budgetFigure(choices, names) {
     plusminus: `${rmseIntervals} Ties within a time: other estimators whose best interval overlaps the best's.`,
     open: true,
   });
+}
+
+/** The tightest and the widest of the budgets in time, and the same of those in error. */
+function pick(rows) {
+  const times = rows.filter((row) => row.budget.startsWith("time"));
+  const errors = rows.filter((row) => !row.budget.startsWith("time"));
+  return [times[0], times[times.length - 1], errors[0], errors[errors.length - 1]].filter(
+    (row, i, all) => row && all.indexOf(row) === i,
+  );
 }
 
 function budgets(entries, names) {

@@ -23,7 +23,18 @@ import { seriesNamer } from "./converge.js";
 import { comparisonOf, isPeer, searchName } from "./search.js";
 import { failed } from "./stress.js";
 
-const loss = (kind, who, where, what, size = null) => ({ kind, who, where, what, size });
+const loss = (kind, who, where, what, size = null, to = null) => ({ kind, who, where, what, size, to });
+
+/** Many lines of one kind, loser and winner become one, which holds the worst of them. */
+function collapse(found) {
+  return [...groupBy(found, (one) => (one.to === null ? one : `${one.kind}|${one.who}|${one.to}`)).values()].map(
+    (same) => {
+      if (same.length === 1) return same[0];
+      const worst = same.reduce((a, b) => (b.size > a.size ? b : a));
+      return { ...worst, where: `${same.length} comparisons; worst: ${worst.where}` };
+    },
+  );
+}
 
 /** Estimators against the plain disc: clearly more error at the same k. One line an estimator, its worst place. */
 function againstDisc(rows, names) {
@@ -109,6 +120,7 @@ function searches(rows) {
             `${nanoseconds(best.ns_per_query)} against ${nanoseconds(peer.ns_per_query)} of ${peer.search}` +
               (below(peer.ns_per_query_ci95, best.ns_per_query_ci95) ? "" : " (intervals overlap)"),
             best.ns_per_query / peer.ns_per_query,
+            peer.search,
           ),
         );
     const wide = members.find((row) => row.search === "wide" && !(row.batch > 1));
@@ -122,13 +134,14 @@ function searches(rows) {
             `${single.search}` +
             (below(single.ns_per_query_ci95, wide.ns_per_query_ci95) ? "" : " (intervals overlap)"),
           wide.ns_per_query / single.ns_per_query,
+          single.search,
         ),
       );
     for (const row of members)
       if (row.exact === false || row.status === "inexact" || row.status === "failed")
         found.push(loss("inexact", searchName(row), where, row.detail ?? row.status));
   }
-  return [...found, ...builds(rows)];
+  return collapse([...found, ...builds(rows)]);
 }
 
 function builds(rows) {
@@ -151,6 +164,7 @@ function builds(rows) {
           `${milliseconds(wide.build_ms)} against ${milliseconds(quick.build_ms)} of ${quick.search}` +
             (below(quick.build_ms_ci95, wide.build_ms_ci95) ? "" : " (intervals overlap)"),
           wide.build_ms / quick.build_ms,
+          quick.search,
         ),
       );
     if (small && small.bytes_per_photon < wide.bytes_per_photon)
@@ -162,6 +176,7 @@ function builds(rows) {
           `${significant(wide.bytes_per_photon)} bytes a photon against ` +
             `${significant(small.bytes_per_photon)} of ${small.search}`,
           wide.bytes_per_photon / small.bytes_per_photon,
+          small.search,
         ),
       );
   }

@@ -112,6 +112,7 @@ function drawErrors(width, rows, measure, names) {
         series: row.policy,
         index: names.policy.index(row.policy),
         x: row[field],
+        size: row.stored,
         y: row[measure],
         interval: row[`${measure}_ci95`],
         title:
@@ -119,7 +120,7 @@ function drawErrors(width, rows, measure, names) {
           `${percent(row[measure])} ${percentInterval(row[`${measure}_ci95`])}`,
       }))
       .filter((point) => point.x > 0)
-      .sort((a, b) => a.x - b.x);
+      .sort((a, b) => a.size - b.size);
   const chart = (title, list, x) => ({
     title,
     node: lineChart(each, list, {
